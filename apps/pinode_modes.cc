@@ -31,13 +31,14 @@
 DEFINE_string(columns, "",
               "--case is a data file (CSV, universal file, ...), and these of "
               "its columns are the channels, with commas between; 'all': "
-              "every column but the time");
+              "every column of numbers but the time and row numbers");
 DEFINE_string(quantities, "acceleration",
               "with --columns: what they measure, one for all or one for each, "
               "of acceleration, velocity, displacement, strain");
 DEFINE_string(time, "",
-              "with --columns: the column of the time, in seconds; where "
-              "there is no sampling rate, t or time");
+              "with --columns: the column of the time, in seconds or in the "
+              "unit that the file states; default, where there is no sampling "
+              "rate: found by its name or its clock times");
 DEFINE_double(sampling_rate_hz, 0.0,
               "with --columns: the sampling rate, for files without a time");
 

@@ -1,9 +1,11 @@
 #include "pinode/base/units.h"
 
 #include <cmath>
+#include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
 
 namespace pinode {
 namespace {
@@ -12,6 +14,8 @@ struct Unit {
   std::string name;
   Dimension dimension;
   double in_si;
+  // False for units of measured columns that no model is in.
+  bool in_models = true;
 };
 
 // Standard gravity (m/s^2), exact by the definition of 1901; the g of ground
@@ -24,11 +28,10 @@ std::vector<Unit> MakeUnits() {
   const std::vector<Unit> times = {{"s", Dimension::kTime, 1.0},
                                    {"ms", Dimension::kTime, 1e-3},
                                    {"us", Dimension::kTime, 1e-6}};
-  const std::vector<Unit> lengths = {{"m", Dimension::kLength, 1.0},
-                                     {"cm", Dimension::kLength, 1e-2},
-                                     {"mm", Dimension::kLength, 1e-3},
-                                     {"in", Dimension::kLength, 0.0254},
-                                     {"ft", Dimension::kLength, 0.3048}};
+  const std::vector<Unit> lengths = {
+      {"m", Dimension::kLength, 1.0},     {"cm", Dimension::kLength, 1e-2},
+      {"mm", Dimension::kLength, 1e-3},   {"um", Dimension::kLength, 1e-6},
+      {"in", Dimension::kLength, 0.0254}, {"ft", Dimension::kLength, 0.3048}};
   std::vector<Unit> units = {{"1", Dimension::kNumber, 1.0},
                              {"um/m", Dimension::kNumber, 1e-6},
                              {"microstrain", Dimension::kNumber, 1e-6},
@@ -45,11 +48,20 @@ std::vector<Unit> MakeUnits() {
                        length.in_si / (time.in_si * time.in_si)});
     }
   }
+  for (const auto& [name, seconds] :
+       {std::pair("ns", 1e-9), std::pair("min", 60.0), std::pair("h", 3600.0),
+        std::pair("day", 86400.0)}) {
+    units.push_back({name, Dimension::kTime, seconds, /*in_models=*/false});
+  }
   units.push_back({"g", Dimension::kAcceleration, kStandardGravity});
+  units.push_back({"mg", Dimension::kAcceleration, 1e-3 * kStandardGravity});
+  units.push_back({"ug", Dimension::kAcceleration, 1e-6 * kStandardGravity});
   units.push_back({"gal", Dimension::kAcceleration, 0.01});
+  units.push_back({"mgal", Dimension::kAcceleration, 1e-5});
   units.push_back({"N", Dimension::kForce, 1.0});
   units.push_back({"kN", Dimension::kForce, 1e3});
   units.push_back({"MN", Dimension::kForce, 1e6});
+  units.push_back({"kgf", Dimension::kForce, kStandardGravity});
   units.push_back({"lbf", Dimension::kForce, kPoundForce});
   units.push_back({"kip", Dimension::kForce, 1e3 * kPoundForce});
   units.push_back({"V", Dimension::kVoltage, 1.0});
@@ -72,9 +84,15 @@ const Unit* FindUnit(const std::string& name) {
   return nullptr;
 }
 
+// Finds a unit of a column, by any name that is known for it.
+const Unit* FindUnitByAnyName(const std::string& name) {
+  const Unit* unit = FindUnit(name);
+  return unit != nullptr ? unit : FindUnit(CanonicalUnit(name));
+}
+
 bool CheckUnit(const std::string& unit, Dimension dimension,
                const Unit** found_unit, std::string* error) {
-  const Unit* found = FindUnit(unit);
+  const Unit* found = FindUnitByAnyName(unit);
   if (found != nullptr && found->dimension == dimension) {
     *found_unit = found;
     return true;
@@ -88,6 +106,23 @@ bool CheckUnit(const std::string& unit, Dimension dimension,
     *error = "unit '" + unit + "' is not known, expected that of " +
              DimensionName(dimension) + NameHint(unit, KnownUnits(dimension));
   }
+  return false;
+}
+
+// Checks a unit of a model, whose names are those of the table alone.
+bool CheckModelUnit(const std::string& unit, Dimension dimension,
+                    std::string* error) {
+  const Unit* found = nullptr;
+  if (!CheckUnit(unit, dimension, &found, error)) return false;
+  if (found->in_models && found->name == unit) return true;
+  std::vector<std::string> known;
+  for (const Unit& other : Units()) {
+    if (other.dimension == dimension && other.in_models) {
+      known.push_back(other.name);
+    }
+  }
+  *error = "a model cannot be in '" + unit + "', expected one of " +
+           Join(known, ", ");
   return false;
 }
 
@@ -116,10 +151,9 @@ const char* DimensionName(Dimension dimension) {
 
 bool UnitSystem::IsValid(std::string* error) const {
   CHECK(error != nullptr);
-  const Unit* unit = nullptr;
-  return CheckUnit(force, Dimension::kForce, &unit, error) &&
-         CheckUnit(length, Dimension::kLength, &unit, error) &&
-         CheckUnit(time, Dimension::kTime, &unit, error);
+  return CheckModelUnit(force, Dimension::kForce, error) &&
+         CheckModelUnit(length, Dimension::kLength, error) &&
+         CheckModelUnit(time, Dimension::kTime, error);
 }
 
 bool UnitFactor(const std::string& unit, Dimension dimension,
@@ -134,6 +168,14 @@ bool UnitFactor(const std::string& unit, Dimension dimension,
                        << "': call UnitSystem::IsValid() first";
   // Equal names give exactly 1, whatever the rounding of x / x.
   *factor = from == to ? 1.0 : from->in_si / to->in_si;
+  return true;
+}
+
+bool FindDimension(const std::string& unit, Dimension* dimension) {
+  CHECK(dimension != nullptr);
+  const Unit* found = FindUnit(unit);
+  if (found == nullptr) return false;
+  *dimension = found->dimension;
   return true;
 }
 

@@ -1,5 +1,8 @@
 #include "pinode/base/units.h"
 
+#include <fstream>
+#include <iterator>
+#include <set>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -79,8 +82,8 @@ TEST(UnitsTest, SaysWhatIsWrong) {
   EXPECT_THAT(error, HasSubstr("'kN' is that of a force"));
   EXPECT_THAT(error, HasSubstr("expected that of an acceleration"));
   EXPECT_FALSE(
-      UnitFactor("m/s2", Dimension::kAcceleration, si, &factor, &error));
-  EXPECT_THAT(error, HasSubstr("'m/s2' is not known"));
+      UnitFactor("m/s^3", Dimension::kAcceleration, si, &factor, &error));
+  EXPECT_THAT(error, HasSubstr("'m/s^3' is not known"));
   EXPECT_THAT(error, HasSubstr("did you mean 'm/s^2'?"));
   EXPECT_FALSE(UnitFactor("", Dimension::kForce, si, &factor, &error));
   EXPECT_EQ(factor, 7.0);
@@ -93,6 +96,44 @@ TEST(UnitsTest, SaysWhatIsWrong) {
   bad.time = "m";
   EXPECT_FALSE(bad.IsValid(&error));
   EXPECT_THAT(error, HasSubstr("'m' is that of a length"));
+}
+
+// The page on case files lists the units of the table, and no others.
+TEST(UnitsTest, AreDocumented) {
+  std::ifstream file(std::string(PINODE_SOURCE_DIR) + "/pinode/case/README.md");
+  const std::string page((std::istreambuf_iterator<char>(file)),
+                         std::istreambuf_iterator<char>());
+  const size_t begin = page.find("\n## Units\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string section =
+      page.substr(begin, page.find("Usual spellings", begin) - begin);
+  // Words between backticks.
+  std::set<std::string> listed;
+  bool inside = false;
+  std::string word;
+  for (const char c : section) {
+    if (c == '`' || (inside && c == ' ')) {
+      if (inside && !word.empty()) listed.insert(word);
+      word.clear();
+      if (c == '`') inside = !inside;
+    } else if (inside) {
+      word += c;
+    }
+  }
+  for (const char* name : {"model", "length/time", "length/time^2"}) {
+    EXPECT_EQ(listed.erase(name), 1u) << name;
+  }
+  std::set<std::string> known;
+  for (const Dimension dimension :
+       {Dimension::kNumber, Dimension::kTime, Dimension::kLength,
+        Dimension::kAcceleration, Dimension::kForce, Dimension::kVoltage}) {
+    for (const std::string& unit : KnownUnits(dimension)) {
+      const bool composed = dimension == Dimension::kAcceleration &&
+                            unit.find('/') != std::string::npos;
+      if (!composed) known.insert(unit);
+    }
+  }
+  EXPECT_EQ(listed, known);
 }
 
 }  // namespace

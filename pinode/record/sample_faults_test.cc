@@ -174,7 +174,7 @@ TEST(SampleFaults, LeavesMeasuredRecordsAlone) {
           folder + "/" + frame + "3story_" + motion + ".csv";
       Table table;
       std::string error;
-      ASSERT_TRUE(ReadTable(path, columns, &table, &error)) << error;
+      ASSERT_TRUE(ReadTable(path, columns, {}, &table, &error)) << error;
       std::vector<WatchedSignal> signals;
       for (size_t c = 0; c < columns.size(); ++c) {
         signals.push_back({columns[c], "m/s^2",

@@ -22,7 +22,8 @@ constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 // and comments are never passed to it.
 class CsvRows {
  public:
-  CsvRows(std::string_view text, char delimiter) : text_(text) {
+  CsvRows(std::string_view text, char delimiter)
+      : text_(text), delimiter_(delimiter) {
     CHECK_EQ(csv_init(&parser_, CSV_STRICT), 0);
     csv_set_delim(&parser_, static_cast<unsigned char>(delimiter));
   }
@@ -39,7 +40,11 @@ class CsvRows {
     while (position_ < text_.size()) {
       const std::string_view line = NextLine();
       if (!row_began) {
-        if (IsNoRow(line)) continue;
+        // A line of tabs is a row of missing values.
+        const bool has_cells = delimiter_ == '\t' &&
+                               line.find('\t') != std::string_view::npos &&
+                               StripBlanks(line).empty();
+        if (IsNoRow(line) && !has_cells) continue;
         row_began = true;
         first_line_ = line_number_;
       }
@@ -91,6 +96,7 @@ class CsvRows {
   }
 
   std::string_view text_;
+  char delimiter_;
   csv_parser parser_;
   size_t position_ = 0;
   int64_t line_number_ = 0;
@@ -98,33 +104,6 @@ class CsvRows {
   bool row_ended_ = false;
   std::vector<std::string> cells_;
 };
-
-// Returns the most frequent candidate in the header line outside quotes. The
-// first one wins a tie (a comma is most likely part of a name).
-char DetectDelimiter(std::string_view text) {
-  while (!text.empty()) {
-    const size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (CsvRows::IsNoRow(line)) continue;
-    char best = ',';
-    int best_count = 0;
-    for (const char candidate : {'\t', ';', ','}) {
-      int count = 0;
-      bool quoted = false;
-      for (const char c : line) {
-        if (c == '"') quoted = !quoted;
-        if (c == candidate && !quoted) ++count;
-      }
-      if (count > best_count) {
-        best = candidate;
-        best_count = count;
-      }
-    }
-    return best;
-  }
-  return ',';
-}
 
 bool IsDigits(std::string_view cell) {
   cell = StripBlanks(cell);
@@ -203,6 +182,32 @@ bool LocateColumns(const std::vector<std::string>& header, int64_t header_line,
 
 }  // namespace
 
+// The first candidate wins a tie: a comma is most likely part of a name.
+char CsvDelimiter(std::string_view text) {
+  while (!text.empty()) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (CsvRows::IsNoRow(line)) continue;
+    char best = ',';
+    int best_count = 0;
+    for (const char candidate : {'\t', ';', ','}) {
+      int count = 0;
+      bool quoted = false;
+      for (const char c : line) {
+        if (c == '"') quoted = !quoted;
+        if (c == candidate && !quoted) ++count;
+      }
+      if (count > best_count) {
+        best = candidate;
+        best_count = count;
+      }
+    }
+    return best;
+  }
+  return ',';
+}
+
 int Table::FindColumn(const std::string& name) const {
   const auto found = std::find(columns.begin(), columns.end(), name);
   return found == columns.end() ? -1
@@ -229,7 +234,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
     std::replace(text.begin(), text.end(), '\r', '\n');
   }
 
-  const char delimiter = DetectDelimiter(text);
+  const char delimiter = CsvDelimiter(text);
   CsvRows rows(text, delimiter);
   std::string malformed;
   if (!rows.Next(&malformed)) {

@@ -5,11 +5,25 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pinode/base/types.h"
 
 namespace pinode {
+
+// Clock time at which the times of a table are zero.
+struct TimeOrigin {
+  enum class Kind {
+    kNone,       // times are numbers
+    kTimeOfDay,  // without a date
+    kDate,
+    kDoubtfulDate,  // day and month may be exchanged
+  };
+  Kind kind = Kind::kNone;
+  // Seconds since 1970-01-01, or since midnight.
+  double seconds = 0.0;
+};
 
 struct Table {
   // File of the table, for messages.
@@ -19,11 +33,23 @@ struct Table {
   Matrix values;
   // For each row, the line of the file on which it begins (from 1).
   std::vector<int64_t> line_numbers;
+  // Units of the columns as the file states them, by their names in the table
+  // of units; empty: none. No entries: none for all columns.
+  std::vector<std::string> units;
+  // Unit of the time column; empty: not known, that of the caller.
+  std::string time_unit;
+  TimeOrigin time_origin;
+  // Sentence on what was assumed on reading; empty for plain files.
+  std::string reading;
 
   Eigen::Index num_rows() const { return values.rows(); }
   // Returns the position in `columns`, or -1.
   int FindColumn(const std::string& name) const;
 };
+
+// Returns the delimiter that the header line contains most often: tab,
+// semicolon or comma.
+char CsvDelimiter(std::string_view text);
 
 // Reads a table: a header line with the columns' names, then one line per row.
 //

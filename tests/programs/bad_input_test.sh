@@ -125,8 +125,8 @@ printf 'title = "Stra\xdfe"\n' | cat - "$data/three_storey.toml" >"$case"
 BadModel "case not UTF-8" 'three_storey\.toml:1: .*UTF-8'
 
 Fresh
-sed -i '3s/.*/0.01,0,0,\xb5,0,0,0,0,0/' "$input/train.csv"
-BadCase "record not UTF-8" 'train\.csv:3: .*UTF-8'
+sed -i '3s/.*/0.01,0,0,0,\xb5,0,0,0,0/' "$input/train.csv"
+BadCase "record with a letter of Latin-1" 'train\.csv:3: .* is not a number'
 
 Fresh
 echo 'title = "no end' >>"$case"

@@ -39,7 +39,8 @@ class InputReader {
   // Adds an input with the place and unit of its values.
   bool AddMeasured(InputSection input) {
     return ReadSource(file_, &input.signal) &&
-           ReadUnit(units_, &input.signal) && AddInput(std::move(input));
+           ReadUnit(units_, table_, &input.signal) &&
+           AddInput(std::move(input));
   }
 
   bool ReadGrounds() {

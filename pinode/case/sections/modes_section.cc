@@ -7,6 +7,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
 #include "pinode/case/sections/geometry_section.h"
 #include "pinode/case/sections/model_section.h"
 #include "pinode/case/sections/record_data.h"
@@ -16,6 +17,7 @@
 #include "pinode/case/text/toml_value.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/record/files/array_table.h"
+#include "pinode/record/files/text_table.h"
 #include "pinode/record/files/universal_file.h"
 #include "pinode/record/table.h"
 
@@ -308,7 +310,9 @@ class DataFileReader {
       : file_(file), columns_(file.columns), error_(error) {}
 
   bool Read(ModesCase* c) {
-    if (!FindTime() || !FindColumns() || !FindQuantities()) return false;
+    if (!FindTime() || !FindColumns() || !FindQuantities() || !FindUnits()) {
+      return false;
+    }
     TomlValue record = TomlValue::Table();
     record.Set("name", TomlValue::String(FileName(file_.path)));
     record.Set("file", TomlValue::String(FileName(file_.path)));
@@ -322,7 +326,8 @@ class DataFileReader {
       TomlValue channel = TomlValue::Table();
       channel.Set("column", TomlValue::String(columns_[i]));
       channel.Set("quantity", TomlValue::String(quantities_[i]));
-      channel.Set("unit", TomlValue::String("model"));
+      channel.Set("unit",
+                  TomlValue::String(units_[i].empty() ? "model" : units_[i]));
       channels.elements.push_back(std::move(channel));
     }
     record.Set("channel", std::move(channels));
@@ -332,7 +337,11 @@ class DataFileReader {
     root.Set("units", std::move(units));
     root.Set("title", TomlValue::String("Modes of " + FileName(file_.path)));
     root.Set("record", TomlValue::Array({std::move(record)}));
-    return ModesCaseReader(root, file_.path, nullptr, error_).Read(c);
+    if (!ModesCaseReader(root, file_.path, nullptr, error_).Read(c)) {
+      return false;
+    }
+    if (!remark_.empty()) c->remarks.push_back(remark_);
+    return true;
   }
 
  private:
@@ -349,30 +358,101 @@ class DataFileReader {
     if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
       return Fail("a time column and a sampling rate, expected one of them");
     }
+    if (IsTextFile(file_.path) &&
+        !ReadTextOutline(file_.path, {}, &outline_, error_)) {
+      return false;
+    }
     time_ = file_.time_column;
     if (!time_.empty() || file_.sampling_rate_hz != 0.0) return true;
-    Table table;
-    std::string missing;
-    for (const char* name : {"t", "time"}) {
-      if (ReadTable(file_.path, {name}, &table, &missing)) {
-        time_ = name;
-        return true;
-      }
+    if (outline_.time_column >= 0) {
+      time_ = outline_.columns[static_cast<size_t>(outline_.time_column)].name;
+      return true;
     }
-    // The reader's error message applies if the file is no table.
-    if (!ReadTable(file_.path, {}, &table, error_)) return false;
+    if (!IsTextFile(file_.path)) {
+      Table table;
+      std::string missing;
+      for (const char* name : {"t", "time"}) {
+        if (ReadTable(file_.path, {name}, {}, &table, &missing)) {
+          time_ = name;
+          return true;
+        }
+      }
+      // The reader's error message applies if the file is no table.
+      if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
+    }
     return Fail(
-        "neither a time column 't' or 'time' nor a sampling rate, expected "
-        "one of them");
+        "no column is known to be the time, expected one called 't' or 'time', "
+        "clock times, --time=COLUMN or --sampling_rate_hz");
   }
 
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
+    columns_.clear();
+    for (size_t i = 0; i < outline_.columns.size(); ++i) {
+      if (outline_.is_channel[i] && outline_.columns[i].name != time_) {
+        columns_.push_back(outline_.columns[i].name);
+      }
+    }
+    if (IsTextFile(file_.path)) {
+      return !columns_.empty() || Fail("no column holds a channel's numbers");
+    }
     Table table;
-    if (!ReadTable(file_.path, {}, &table, error_)) return false;
-    columns_ = table.columns;
-    columns_.erase(std::remove(columns_.begin(), columns_.end(), time_),
-                   columns_.end());
+    if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
+    for (const std::string& name : table.columns) {
+      if (name != time_ && name != "t" && name != "time") {
+        columns_.push_back(name);
+      }
+    }
+    return true;
+  }
+
+  static Dimension DimensionOfName(const std::string& quantity) {
+    return quantity == "displacement" ? Dimension::kLength
+           : quantity == "velocity"   ? Dimension::kVelocity
+           : quantity == "strain"     ? Dimension::kNumber
+                                      : Dimension::kAcceleration;
+  }
+
+  // Finds the units of the channels. Without any the numbers are taken as they
+  // are: shapes are ratios.
+  bool FindUnits() {
+    units_.assign(columns_.size(), "");
+    std::string first;
+    bool same = true;
+    bool any_voltage = false;
+    std::vector<std::string> without;
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      for (const TextColumn& column : outline_.columns) {
+        if (column.name == columns_[i] || column.short_name == columns_[i]) {
+          units_[i] = column.unit;
+        }
+      }
+      Dimension dimension = Dimension::kVoltage;
+      if (units_[i].empty() || !FindDimension(units_[i], &dimension)) {
+        units_[i].clear();
+        without.push_back(columns_[i]);
+        continue;
+      }
+      any_voltage = any_voltage || dimension == Dimension::kVoltage;
+      if (dimension != Dimension::kVoltage &&
+          dimension != DimensionOfName(quantities_[i])) {
+        return Fail("column '" + columns_[i] + "' is in " + units_[i] +
+                    ", the unit of " + DimensionName(dimension) +
+                    ", but its quantity is " + quantities_[i] +
+                    "; set --quantities, or leave the column out of --columns");
+      }
+      if (first.empty()) first = units_[i];
+      same = same && units_[i] == first;
+    }
+    if (!same && (any_voltage || !without.empty())) {
+      return Fail(
+          "the columns have different units, and not all of them one that can "
+          "be compared; write a case that gives each its `unit`");
+    }
+    if (first.empty() || without.empty()) return true;
+    for (std::string& unit : units_) unit = first;
+    remark_ = "No unit is stated for " + Join(without, ", ") + ": taken as " +
+              first + ", as the other columns are.";
     return true;
   }
 
@@ -404,6 +484,9 @@ class DataFileReader {
   const ModesDataFile& file_;
   std::vector<std::string> columns_;
   std::vector<std::string> quantities_;
+  std::vector<std::string> units_;
+  TextOutline outline_;  // of a text file
+  std::string remark_;
   std::string time_;
   std::string* error_;
 };

@@ -51,8 +51,6 @@ class RecordDataReader {
         files_(section, units, &record->description.remarks) {}
 
   bool Read() {
-    record_->description.time_unit = section_.time_unit;
-    record_->description.time_factor = section_.time_factor;
     record_->name = section_.name;
     record_->role = section_.role;
     record_->start = section_.start;
@@ -63,10 +61,13 @@ class RecordDataReader {
       record_->known_start.segment(dynamics_.num_dofs(), dynamics_.num_dofs()) =
           section_.start_v;
     }
-    return files_.Read(simulation_) && CollectSignals() && LookForFaults() &&
-           ResampleAll() && AddGroundDisplacements() &&
-           AddPrescribedDerivatives() && CutWindow() && MakeExcitation() &&
-           MakeChannels() && ApplyFilter() && SetNoise();
+    if (!files_.Read(simulation_)) return false;
+    record_->description.time_unit = files_.time_unit();
+    record_->description.time_factor = files_.time_factor();
+    return CollectSignals() && LookForFaults() && ResampleAll() &&
+           AddGroundDisplacements() && AddPrescribedDerivatives() &&
+           CutWindow() && MakeExcitation() && MakeChannels() && ApplyFilter() &&
+           SetNoise();
   }
 
  private:
@@ -161,8 +162,8 @@ class RecordDataReader {
       add(channel.signal, WatchedSignal::Kind::kResponse);
     }
     for (const std::string& fault :
-         FindSampleFaults(signals, merged_.time(first) / section_.time_factor,
-                          step / section_.time_factor, section_.time_unit)) {
+         FindSampleFaults(signals, merged_.time(first) / files_.time_factor(),
+                          step / files_.time_factor(), files_.time_unit())) {
       faults_->push_back("Record '" + section_.name + "', " + fault);
     }
     for (const auto& [channel, signal] : lent) {
@@ -379,7 +380,7 @@ class RecordDataReader {
         channel.sigma = signal.sigma_percent / 100.0 *
                         StandardDeviationOfPresent(channel.values);
       } else if (signal.sigma > 0.0) {
-        channel.sigma = signal.sigma;
+        channel.sigma = std::abs(signal.scale) * signal.sigma;
       } else if (channel.fit && !simulation_ && IsConstant(channel.values)) {
         // Without noise of its own it would outweigh all others.
         return signal.table.Fail(

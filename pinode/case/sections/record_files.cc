@@ -8,6 +8,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
 #include "pinode/record/files/array_table.h"
 #include "pinode/record/files/at2.h"
 #include "pinode/record/prepare.h"
@@ -58,7 +59,7 @@ std::vector<SharedTables::Wanted> RecordFiles::TablesOf(
   std::vector<SharedTables::Wanted> tables;
   for (const auto& [path, columns] : FilesOf(section, simulation)) {
     if (IsAt2File(path) || data.tables.count(path) > 0) continue;
-    tables.push_back({path, columns});
+    tables.push_back({path, columns, section.text_format});
   }
   return tables;
 }
@@ -77,9 +78,13 @@ bool RecordFiles::Read(bool simulation) {
 }
 
 bool RecordFiles::SetGrid() {
+  time_unit_ = section_.time_unit;
+  time_factor_ = section_.time_factor;
   if (!section_.file.empty()) {
     const Source& base = files_.at(section_.file);
     start_time_ = base.start_time;
+    time_unit_ = base.time_unit;
+    time_factor_ = base.time_factor;
     step_ = base.step;
     num_samples_ = base.num_samples;
     return true;
@@ -116,6 +121,8 @@ bool RecordFiles::ReadMotion(const std::string& path, Source* file) {
     return table_.Fail("file", error);
   }
   file->step = motion.sampling_step * second;
+  file->time_unit = "s";
+  file->time_factor = second;
   file->num_samples = motion.acceleration.size();
   file->motion = std::move(motion.acceleration);
   return file->num_samples >= 2 ||
@@ -136,14 +143,27 @@ bool RecordFiles::ReadColumns(const std::string& path,
   if (!(file->array != nullptr ? CheckColumns(*file->array, columns, &error)
         : array != arrays.end()
             ? SelectColumns(array->second, columns, &file->table, &error)
-        : shared != nullptr ? shared->Read(path, columns, &file->table, &error)
-                            : ReadTable(path, columns, &file->table, &error))) {
+        : shared != nullptr
+            ? shared->Read({path, columns, section_.text_format}, &file->table,
+                           &error)
+            : ReadTable(path, columns, section_.text_format, &file->table,
+                        &error))) {
     return table_.errors()->FailAsIs(error);
   }
   const Table& table = file->columns();
   TimeGrid& grid = file->grid;
+  const std::string name = std::filesystem::path(path).filename().string();
+  if (!table.reading.empty()) {
+    remarks_.push_back("read " + name + ": " + table.reading);
+  }
+  file->time_unit =
+      table.time_unit.empty() ? section_.time_unit : table.time_unit;
+  if (!UnitFactor(file->time_unit, Dimension::kTime, units_, &file->time_factor,
+                  &error)) {
+    return table_.Fail("time_unit", error);
+  }
   TimeColumnOptions options;
-  options.factor = section_.time_factor;
+  options.factor = file->time_factor;
   options.unit = units_.time;
   options.interpolate_irregular = section_.resampling_step > 0.0;
   const bool found =
@@ -152,11 +172,8 @@ bool RecordFiles::ReadColumns(const std::string& path,
           : FindTimeGrid(table, section_.time_column, options, &grid, &error);
   if (!found) return table_.errors()->FailAsIs(error);
   for (const std::string& remark : grid.remarks) {
-    remarks_.push_back(
-        (path == section_.file
-             ? std::string()
-             : std::filesystem::path(path).filename().string() + ": ") +
-        remark);
+    remarks_.push_back((path == section_.file ? std::string() : name + ": ") +
+                       remark);
   }
   file->start_time = grid.start_time;
   file->step = grid.step;
@@ -170,6 +187,7 @@ bool RecordFiles::Signal(const SignalSection& signal, bool is_input,
   channel->name = signal.label;
   channel->unit = signal.unit;
   channel->values = file.Column(signal.column);
+  if (!is_covariate) CompareUnits(signal, file.columns());
   std::string error;
   if (!ConvertChannel(signal.dimension, units_, signal.sign, channel, &error)) {
     return signal.table.Fail("unit", error);
@@ -222,6 +240,61 @@ void RecordFiles::FillReadings(const std::string& label, Vector* values) {
       " samples are there, the others on straight lines between them.");
 }
 
+void RecordFiles::CompareUnits(const SignalSection& signal,
+                               const Table& table) {
+  const int place = table.FindColumn(signal.column);
+  if (place < 0 || static_cast<size_t>(place) >= table.units.size()) return;
+  const std::string& stated = table.units[static_cast<size_t>(place)];
+  Dimension dimension = Dimension::kNumber;
+  // One letter behind a name is often a direction: (N) is north.
+  if (stated.empty() || stated == "N" || !FindDimension(stated, &dimension)) {
+    return;
+  }
+  double in_file = 0.0;
+  double in_case = 0.0;
+  std::string error;
+  const bool same =
+      dimension == signal.dimension &&
+      UnitFactor(stated, dimension, units_, &in_file, &error) &&
+      UnitFactor(signal.unit, dimension, units_, &in_case, &error) &&
+      std::abs(in_file / std::abs(in_case * signal.scale) - 1.0) < 1e-9;
+  if (same) return;
+  remarks_.push_back(signal.label + ": the file says " + stated +
+                     ", the case says " + signal.unit +
+                     ", which is used. Set `unit = \"" + stated +
+                     "\"` if the file is right.");
+}
+
+// Finds how much later than that of the record's file the zero of another
+// file's clock is. Times without a clock are taken as they are.
+bool RecordFiles::AlignClocks(const SignalSection& signal, const Source& file,
+                              double* later) {
+  using Kind = TimeOrigin::Kind;
+  const TimeOrigin& own = file.columns().time_origin;
+  const TimeOrigin& base = files_.at(section_.file).columns().time_origin;
+  *later = 0.0;
+  if (own.kind == Kind::kNone && base.kind == Kind::kNone) return true;
+  if (own.kind == Kind::kDoubtfulDate || base.kind == Kind::kDoubtfulDate) {
+    return signal.table.Fail(
+        "file",
+        "day and month of its clock or of that of the record's file "
+        "may be exchanged, expected `time_format` in the record");
+  }
+  if (own.kind != base.kind) {
+    return signal.table.Fail(
+        "file", "its times and those of '" + section_.file +
+                    "' are not both clock times of one kind, expected times "
+                    "that can be compared");
+  }
+  double second = 1.0;
+  std::string error;
+  if (!UnitFactor("s", Dimension::kTime, units_, &second, &error)) {
+    return signal.table.Fail("file", error);
+  }
+  *later = (own.seconds - base.seconds) * second;
+  return true;
+}
+
 // Aligns values from the grid of `file` to that of the record's file.
 bool RecordFiles::Align(const SignalSection& signal, const Source& file,
                         bool is_input, Vector* values) {
@@ -239,7 +312,9 @@ bool RecordFiles::Align(const SignalSection& signal, const Source& file,
                        FormatNumber(file.step, 6) + " to " +
                        FormatNumber(step_, 6) + " " + units_.time + ".");
   }
-  const double offset = (start_time_ - file.start_time) / step_;
+  double later = 0.0;
+  if (!AlignClocks(signal, file, &later)) return false;
+  const double offset = (start_time_ - file.start_time - later) / step_;
   const double shift = std::round(offset);
   if (std::abs(offset - shift) > 1e-3) {
     return signal.table.Fail("file", "its samples lie between those of '" +

@@ -42,6 +42,10 @@ class RecordFiles {
   double start_time() const { return start_time_; }
   double step() const { return step_; }
   Eigen::Index num_samples() const { return num_samples_; }
+  // Unit of the file's times: that of the case, or of the file itself. Model
+  // time is time_factor * file time.
+  const std::string& time_unit() const { return time_unit_; }
+  double time_factor() const { return time_factor_; }
 
   // Returns the column of `signal` in model units, with its sign and scale, and
   // without its mean on request. Readings of a covariate are joined by straight
@@ -68,6 +72,8 @@ class RecordFiles {
     // outlives this object.
     const Table* array = nullptr;
     TimeGrid grid;
+    std::string time_unit;
+    double time_factor = 1.0;
 
     const Table& columns() const { return array != nullptr ? *array : table; }
 
@@ -81,6 +87,10 @@ class RecordFiles {
   bool ReadMotion(const std::string& path, Source* file);
   bool ReadColumns(const std::string& path,
                    const std::vector<std::string>& columns, Source* file);
+  // Says where the file and the case differ on the unit of a signal.
+  void CompareUnits(const SignalSection& signal, const Table& table);
+  [[nodiscard]] bool AlignClocks(const SignalSection& signal,
+                                 const Source& file, double* later);
   void FillReadings(const std::string& label, Vector* values);
   bool Align(const SignalSection& signal, const Source& file, bool is_input,
              Vector* values);
@@ -95,6 +105,8 @@ class RecordFiles {
   double start_time_ = 0.0;
   double step_ = 0.0;
   Eigen::Index num_samples_ = 0;
+  std::string time_unit_;
+  double time_factor_ = 1.0;
 };
 
 }  // namespace pinode

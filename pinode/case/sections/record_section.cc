@@ -20,6 +20,11 @@ const std::vector<std::string>& RecordKeys() {
                                                           "time",
                                                           "sampling_rate_hz",
                                                           "time_unit",
+                                                          "time_format",
+                                                          "header_lines",
+                                                          "delimiter",
+                                                          "decimal",
+                                                          "encoding",
                                                           "duration",
                                                           "window",
                                                           "resample_hz",
@@ -101,6 +106,7 @@ class RecordReader {
       return table_.Fail("time_unit", error);
     }
     section_->time_column = table_.String("time");
+    if (!ReadTextFormat(table_, &section_->text_format)) return false;
     if (table_.Has("time") && table_.Has("sampling_rate_hz")) {
       return table_.Fail("time",
                          "'time' beside 'sampling_rate_hz', expected "
@@ -198,8 +204,9 @@ class RecordReader {
     for (TomlTable& table : table_.Tables("channel", "record")) {
       if (!table.AllowKeys({"name", "column", "file", "quantity", "dof",
                             "combination", "gauge_length", "distance", "unit",
-                            "sign", "sigma", "sigma_percent", "remove_offset",
-                            "gain", "offset", "delay", "fit"})) {
+                            "sign", "scale", "sigma", "sigma_percent",
+                            "remove_offset", "gain", "offset", "delay",
+                            "fit"})) {
         return false;
       }
       ChannelSection channel(table);
@@ -242,9 +249,16 @@ class RecordReader {
         }
         channel.signal.sign = sign < 0.0 ? -1 : 1;
       }
+      channel.signal.scale = table.Number("scale", 1.0);
+      if (!table.errors()->ok()) return false;
+      if (channel.signal.scale == 0.0) {
+        return table.Fail("scale",
+                          "'scale' is 0, expected the factor from the "
+                          "column's numbers to its unit");
+      }
       channel.fit = table.Boolean("fit", true);
       if ((!simulation_ && !ReadSource(section_->file, &channel.signal)) ||
-          !ReadUnit(units_, &channel.signal)) {
+          !ReadUnit(units_, table_, &channel.signal)) {
         return false;
       }
       section_->channels.push_back(std::move(channel));

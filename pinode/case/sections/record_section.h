@@ -18,6 +18,7 @@
 #include "pinode/integrate/integration_grid.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/record/excitation.h"
+#include "pinode/record/files/text_format.h"
 #include "pinode/record/filter.h"
 
 namespace pinode {
@@ -37,12 +38,13 @@ struct RecordSection {
   TomlTable table;
   std::string name;
   IdentificationRecord::Role role = IdentificationRecord::Role::kTrain;
-  std::string file;         // as opened; empty: none
-  std::string time_column;  // empty: sampling_step is given, or AT2
-  std::string time_unit = "s";
-  double time_factor = 1.0;    // model time per file time
-  double sampling_step = 0.0;  // model time; 0: from the file
-  double duration = 0.0;       // model time; simulations without a file
+  std::string file;             // as opened; empty: none
+  std::string time_column;      // empty: sampling_step is given, or AT2
+  std::string time_unit = "s";  // of the key; the file may have its own
+  double time_factor = 1.0;     // model time per file time
+  TextFormat text_format;       // of text files, with time_column
+  double sampling_step = 0.0;   // model time; 0: from the file
+  double duration = 0.0;        // model time; simulations without a file
   std::optional<double> window_from, window_to;  // model time
   double resampling_step = 0.0;  // model time; 0: the record's own
   Interpolation interpolation = Interpolation::kLinear;

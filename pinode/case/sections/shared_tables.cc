@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "pinode/base/strings.h"
 #include "pinode/record/files/array_table.h"
 
 namespace pinode {
@@ -27,6 +28,7 @@ std::string AsText(const std::vector<SharedTables::Wanted>& all) {
     AppendText(wanted.path, &text);
     AppendText(std::to_string(wanted.columns.size()), &text);
     for (const std::string& column : wanted.columns) AppendText(column, &text);
+    AppendText(wanted.format.AsText(), &text);
   }
   return text;
 }
@@ -65,8 +67,8 @@ void SharedTables::Finish() {
 SharedTables::Result SharedTables::ReadFile(const Wanted& wanted) {
   ++num_read_;
   Result result;
-  result.ok =
-      ReadTable(wanted.path, wanted.columns, &result.table, &result.error);
+  result.ok = ReadTable(wanted.path, wanted.columns, wanted.format,
+                        &result.table, &result.error);
   return result;
 }
 
@@ -79,6 +81,12 @@ bool SharedTables::Pass(int owner, Result* result) {
     AppendText(table.path, &head);
     AppendText(std::to_string(table.values.rows()), &head);
     AppendText(std::to_string(table.line_numbers.size()), &head);
+    AppendText(table.reading, &head);
+    AppendText(table.time_unit, &head);
+    AppendText(std::to_string(static_cast<int>(table.time_origin.kind)), &head);
+    AppendText(FormatNumber(table.time_origin.seconds, 17), &head);
+    AppendText(std::to_string(table.units.size()), &head);
+    for (const std::string& unit : table.units) AppendText(unit, &head);
     for (const std::string& column : table.columns) AppendText(column, &head);
   }
   if (!communicator_.Broadcast(owner, &head)) return false;
@@ -88,6 +96,13 @@ bool SharedTables::Pass(int owner, Result* result) {
     table.path = TakeText(&head);
     const Eigen::Index rows = std::stoll(TakeText(&head));
     table.line_numbers.resize(std::stoull(TakeText(&head)));
+    table.reading = TakeText(&head);
+    table.time_unit = TakeText(&head);
+    table.time_origin.kind =
+        static_cast<TimeOrigin::Kind>(std::stoi(TakeText(&head)));
+    table.time_origin.seconds = std::stod(TakeText(&head));
+    table.units.resize(std::stoull(TakeText(&head)));
+    for (std::string& unit : table.units) unit = TakeText(&head);
     while (!head.empty()) table.columns.push_back(TakeText(&head));
     table.values.resize(rows, static_cast<Eigen::Index>(table.columns.size()));
   }
@@ -101,13 +116,12 @@ bool SharedTables::Pass(int owner, Result* result) {
          pass(table.line_numbers.data(), table.line_numbers.size());
 }
 
-bool SharedTables::Read(const std::string& path,
-                        const std::vector<std::string>& columns, Table* table,
+bool SharedTables::Read(const Wanted& wanted, Table* table,
                         std::string* error) {
   Result result;
   const size_t index = next_;
-  if (index >= planned_.size() || !(planned_[index] == Wanted{path, columns})) {
-    result = ReadFile({path, columns});
+  if (index >= planned_.size() || !(planned_[index] == wanted)) {
+    result = ReadFile(wanted);
   } else {
     ++next_;
     const auto own = own_.find(index);
@@ -116,7 +130,7 @@ bool SharedTables::Read(const std::string& path,
       own_.erase(own);
     }
     if (!Pass(OwnerOf(index), &result)) {
-      *error = path + ": the rank that has read it does not answer";
+      *error = wanted.path + ": the rank that has read it does not answer";
       return false;
     }
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/communicator.h"
+#include "pinode/record/files/text_format.h"
 #include "pinode/record/table.h"
 
 namespace pinode {
@@ -21,8 +22,10 @@ class SharedTables {
   struct Wanted {
     std::string path;
     std::vector<std::string> columns;  // as for ReadTable
+    TextFormat format;
     bool operator==(const Wanted& other) const {
-      return path == other.path && columns == other.columns;
+      return path == other.path && columns == other.columns &&
+             format.AsText() == other.format.AsText();
     }
   };
 
@@ -40,8 +43,7 @@ class SharedTables {
 
   // Reads as ReadTable. A planned table is received from the rank that has read
   // it.
-  [[nodiscard]] bool Read(const std::string& path,
-                          const std::vector<std::string>& columns, Table* table,
+  [[nodiscard]] bool Read(const Wanted& wanted, Table* table,
                           std::string* error);
 
   // Number of tables that this rank has read from files.

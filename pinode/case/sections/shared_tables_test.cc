@@ -25,12 +25,22 @@ class SharedTablesTest : public ::testing::Test {
     const std::vector<std::vector<std::string>> columns = {
         {}, {"a"}, {"y", "t"}};
     for (size_t i = 0; i < texts.size(); ++i) {
-      wanted_.push_back(
-          {folder_.Write(std::to_string(i) + ".csv", texts[i]), columns[i]});
+      wanted_.push_back({folder_.Write(std::to_string(i) + ".csv", texts[i]),
+                         columns[i],
+                         {}});
     }
     // The same once more, and one that is not there.
     wanted_.push_back(wanted_[0]);
-    wanted_.push_back({folder_.Path("none.csv"), {}});
+    wanted_.push_back({folder_.Path("none.csv"), {}, {}});
+    // A file of a logger, with all that is read beside the numbers.
+    TextFormat format;
+    format.time_column = "Zeit";
+    wanted_.push_back(
+        {folder_.Write("logger.csv",
+                       "Logger\nZeit;a [mg]\n2024-03-01 12:00:00,5;1,5\n"
+                       "2024-03-01 12:00:01,5;2,5\n"),
+         {"Zeit", "a"},
+         format});
   }
 
   // Compares planned tables with those that a single process reads.
@@ -38,13 +48,18 @@ class SharedTablesTest : public ::testing::Test {
     for (const SharedTables::Wanted& wanted : wanted_) {
       Table alone, table;
       std::string error_alone, error;
-      const bool ok =
-          ReadTable(wanted.path, wanted.columns, &alone, &error_alone);
-      EXPECT_EQ(shared->Read(wanted.path, wanted.columns, &table, &error), ok);
+      const bool ok = ReadTable(wanted.path, wanted.columns, wanted.format,
+                                &alone, &error_alone);
+      EXPECT_EQ(shared->Read(wanted, &table, &error), ok);
       EXPECT_EQ(error, error_alone);
       EXPECT_EQ(table.path, alone.path);
       EXPECT_EQ(table.columns, alone.columns);
       EXPECT_EQ(table.line_numbers, alone.line_numbers);
+      EXPECT_EQ(table.units, alone.units);
+      EXPECT_EQ(table.reading, alone.reading);
+      EXPECT_EQ(table.time_unit, alone.time_unit);
+      EXPECT_EQ(table.time_origin.kind, alone.time_origin.kind);
+      EXPECT_EQ(table.time_origin.seconds, alone.time_origin.seconds);
       ASSERT_EQ(table.values.rows(), alone.values.rows());
       EXPECT_TRUE((table.values.array() == alone.values.array() ||
                    alone.values.array().isNaN())
@@ -71,9 +86,9 @@ TEST_F(SharedTablesTest, EachIsReadByOneRank) {
     int total = 0;
     for (const int count : read) {
       total += count;
-      EXPECT_LE(count, (5 + size - 1) / size);
+      EXPECT_LE(count, (6 + size - 1) / size);
     }
-    EXPECT_EQ(total, 5) << size << " ranks";
+    EXPECT_EQ(total, 6) << size << " ranks";
   }
 }
 
@@ -87,7 +102,7 @@ TEST_F(SharedTablesTest, EachReadsForItselfWhereTheyDoNotAgree) {
     shared.Plan(wanted_);
     ExpectAsAlone(&shared);
     shared.Finish();
-    EXPECT_EQ(shared.num_read(), 5);
+    EXPECT_EQ(shared.num_read(), 6);
   });
   testing::ThreadRanks(2).Run([&](Communicator* communicator) {
     SharedTables shared(communicator);
@@ -95,7 +110,7 @@ TEST_F(SharedTablesTest, EachReadsForItselfWhereTheyDoNotAgree) {
     if (communicator->rank() == 1) std::swap(own[0], own[1]);
     shared.Plan(own);
     ExpectAsAlone(&shared);
-    EXPECT_EQ(shared.num_read(), 5);
+    EXPECT_EQ(shared.num_read(), 6);
   });
 }
 

@@ -5,9 +5,35 @@
 #include <filesystem>
 #include <vector>
 
+#include "pinode/base/unit_names.h"
 #include "pinode/case/sections/model_section.h"
+#include "pinode/record/files/array_table.h"
+#include "pinode/record/files/text_table.h"
 
 namespace pinode {
+
+namespace {
+
+// Returns the unit that a text file states for a column, or "".
+std::string UnitOfFile(const TomlTable& record, const SignalSection& signal) {
+  TextFormat format;
+  TextOutline outline;
+  std::string error;
+  if (signal.file.empty() || signal.column.empty() ||
+      record.errors()->data().Has(signal.file) || !IsTextFile(signal.file) ||
+      !ReadTextFormat(record, &format) ||
+      !ReadTextOutline(signal.file, format, &outline, &error)) {
+    return "";
+  }
+  for (const TextColumn& column : outline.columns) {
+    if (column.name == signal.column || column.short_name == signal.column) {
+      return column.unit;
+    }
+  }
+  return "";
+}
+
+}  // namespace
 
 bool IsAt2File(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -23,17 +49,18 @@ bool FileExists(const TomlTable& table, const std::string& path) {
     return true;
   }
   return table.Fail("file", "the file '" + path +
-                                "' does not exist, expected a CSV file with "
-                                "a header line, a universal file (.uff, .unv), "
+                                "' does not exist, expected text in columns "
+                                "(CSV), a universal file (.uff, .unv), "
                                 "arrays (.mat, .npy, .npz, .h5), or a PEER "
                                 ".at2 file");
 }
 
 bool IsVoltage(const TomlTable& table) {
-  const std::vector<std::string> known = KnownUnits(Dimension::kVoltage);
   const TomlValue* unit = table.Find("unit");
+  Dimension dimension = Dimension::kNumber;
   return unit != nullptr &&
-         std::find(known.begin(), known.end(), unit->text) != known.end();
+         FindDimension(CanonicalUnit(unit->text), &dimension) &&
+         dimension == Dimension::kVoltage;
 }
 
 bool ReadSource(const std::string& record_file, SignalSection* signal) {
@@ -62,17 +89,36 @@ bool ReadSource(const std::string& record_file, SignalSection* signal) {
   return table.errors()->ok();
 }
 
-bool ReadUnit(const UnitSystem& units, SignalSection* signal) {
+bool ReadTextFormat(const TomlTable& record, TextFormat* format) {
+  format->time_column = record.String("time");
+  format->time_unit = record.String("time_unit");
+  format->time_format = record.String("time_format");
+  format->encoding = record.String("encoding");
+  format->header_lines = record.Integer("header_lines", -1, 0);
+  const std::string decimal = record.Choice("decimal", {".", ","}, "");
+  if (!decimal.empty()) format->decimal = decimal[0];
+  std::string delimiter = record.Choice(
+      "delimiter", {",", ";", "|", "\t", "tab", " ", "blank"}, "");
+  if (delimiter == "tab") delimiter = "\t";
+  if (delimiter == "blank") delimiter = " ";
+  if (!delimiter.empty()) format->delimiter = delimiter[0];
+  return record.errors()->ok();
+}
+
+bool ReadUnit(const UnitSystem& units, const TomlTable& record,
+              SignalSection* signal) {
   const TomlTable& table = signal->table;
   const bool at2 = IsAt2File(signal->file);
-  if (!at2 &&
+  const std::string stated =
+      at2 || table.Has("unit") ? "" : UnitOfFile(record, *signal);
+  if (!at2 && stated.empty() &&
       !table.RequireKey(
           "unit", std::string("that of ") + DimensionName(signal->dimension) +
                       ", such as \"" + UnitName(signal->dimension, units) +
                       "\"")) {
     return false;
   }
-  signal->unit = table.String("unit", "g");
+  signal->unit = table.String("unit", stated.empty() ? "g" : stated);
   if (!at2 && signal->unit == "model") {
     signal->unit = UnitName(signal->dimension, units);
   }

@@ -8,6 +8,7 @@
 
 #include "pinode/base/units.h"
 #include "pinode/case/text/toml_table.h"
+#include "pinode/record/files/text_format.h"
 
 namespace pinode {
 
@@ -48,9 +49,14 @@ bool IsVoltage(const TomlTable& table);
 [[nodiscard]] bool ReadSource(const std::string& record_file,
                               SignalSection* signal);
 
+// Reads what the table of a record says about the form of its text files.
+[[nodiscard]] bool ReadTextFormat(const TomlTable& record, TextFormat* format);
+
 // Reads `unit`, noise and offset of a signal whose dimension, scale and sign
-// are set. "model": the unit of the case for that dimension.
-[[nodiscard]] bool ReadUnit(const UnitSystem& units, SignalSection* signal);
+// are set. "model": the unit of the case for that dimension. Without `unit` the
+// one that a text file states for the column is used.
+[[nodiscard]] bool ReadUnit(const UnitSystem& units, const TomlTable& record,
+                            SignalSection* signal);
 
 }  // namespace pinode
 

@@ -11,6 +11,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/case/text/case_data.h"
 #include "pinode/case/text/parameter_keys.h"
+#include "pinode/record/files/array_table.h"
 #include "pinode/record/table.h"
 #include "pinode/record/time_column.h"
 
@@ -356,9 +357,20 @@ bool ReadForceTruths(const TomlTable& root, const UnitSystem& units,
       options.unit = units.time;
       options.interpolate_irregular = true;
       std::string error;
-      if (!ReadColumns(table.errors()->data(), section->file, columns, &values,
-                       &error) ||
-          !(section->time_column.empty()
+      const auto& arrays = table.errors()->data().tables;
+      const auto array = arrays.find(section->file);
+      if (!(array != arrays.end()
+                ? SelectColumns(array->second, columns, &values, &error)
+                : ReadTable(section->file, columns, section->text_format,
+                            &values, &error))) {
+        return table.errors()->FailAsIs(error);
+      }
+      if (!values.time_unit.empty() &&
+          !UnitFactor(values.time_unit, Dimension::kTime, units,
+                      &options.factor, &error)) {
+        return table.errors()->FailAsIs(error);
+      }
+      if (!(section->time_column.empty()
                 ? TimeGridFromStep(values, section->sampling_step, &grid,
                                    &error)
                 : FindTimeGrid(values, section->time_column, options, &grid,

@@ -9,6 +9,7 @@
 #include "pinode/base/arrays/array_files.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/files/text_table.h"
 #include "pinode/record/files/universal_file.h"
 
 namespace pinode {
@@ -167,13 +168,17 @@ bool ReadArrayTable(const std::string& path,
   return true;
 }
 
+bool IsTextFile(const std::string& path) {
+  return !IsUniversalFile(path) && !IsArrayFile(path);
+}
+
 bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
-               Table* table, std::string* error) {
+               const TextFormat& format, Table* table, std::string* error) {
   if (IsUniversalFile(path)) {
     return ReadUniversalTable(path, wanted, table, error);
   }
   if (IsArrayFile(path)) return ReadArrayTable(path, wanted, table, error);
-  return ReadCsvTable(path, wanted, table, error);
+  return ReadTextTable(path, wanted, format, table, error);
 }
 
 }  // namespace pinode

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/record/files/text_format.h"
 #include "pinode/record/table.h"
 
 namespace pinode {
@@ -24,10 +25,14 @@ namespace pinode {
                                   Table* table, std::string* error);
 
 // Reads any table. The format follows from the extension: universal files,
-// arrays by name, else CSV.
+// arrays by name, else text (ReadTextTable), to which alone `format` applies.
 [[nodiscard]] bool ReadTable(const std::string& path,
                              const std::vector<std::string>& wanted,
-                             Table* table, std::string* error);
+                             const TextFormat& format, Table* table,
+                             std::string* error);
+
+// True if ReadTable takes the file for text.
+bool IsTextFile(const std::string& path);
 
 }  // namespace pinode
 

@@ -21,7 +21,7 @@ std::string ErrorOf(const std::string& name,
                     const std::vector<std::string>& wanted) {
   Table table;
   std::string error;
-  EXPECT_FALSE(ReadTable(Sample(name), wanted, &table, &error));
+  EXPECT_FALSE(ReadTable(Sample(name), wanted, {}, &table, &error));
   EXPECT_THAT(error, HasSubstr(name));
   return error;
 }
@@ -31,7 +31,7 @@ TEST(ArrayTableTest, ColumnsOfArrays) {
     const std::string y = name[7] == 'h' ? "setup1/y" : "y";
     Table table;
     std::string error;
-    ASSERT_TRUE(ReadTable(Sample(name), {y + "[3]", "t", y + "[1]", "t"},
+    ASSERT_TRUE(ReadTable(Sample(name), {y + "[3]", "t", y + "[1]", "t"}, {},
                           &table, &error))
         << error;
     EXPECT_THAT(table.columns, ElementsAre(y + "[3]", "t", y + "[1]"));
@@ -48,7 +48,7 @@ TEST(ArrayTableTest, ColumnsOfArrays) {
 TEST(ArrayTableTest, AllColumnsOfTheLongestArrays) {
   Table table;
   std::string error;
-  ASSERT_TRUE(ReadTable(Sample("record.npz"), {}, &table, &error)) << error;
+  ASSERT_TRUE(ReadTable(Sample("record.npz"), {}, {}, &table, &error)) << error;
   EXPECT_THAT(table.columns, ElementsAre("a", "t", "y[1]", "y[2]", "y[3]"));
   EXPECT_TRUE(std::isnan(table.values(2, 0)));
 }

@@ -1,0 +1,62 @@
+#include "pinode/base/text_encoding.h"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Returns the text in UTF-8, and the encoding that was found.
+std::string Converted(std::string text, std::string* found, bool* is_guess,
+                      const std::string& encoding = "") {
+  std::string error;
+  EXPECT_TRUE(ConvertToUtf8(encoding, &text, found, is_guess, &error)) << error;
+  return text;
+}
+
+TEST(TextEncodingTest, FindsTheEncoding) {
+  const std::string expected = "W\xC3\xA4gung,1\n";
+  std::string found;
+  bool is_guess = true;
+  EXPECT_EQ(Converted(expected, &found, &is_guess), expected);
+  EXPECT_EQ(found, "UTF-8");
+  EXPECT_FALSE(is_guess);
+  EXPECT_EQ(Converted("\xEF\xBB\xBF" + expected, &found, &is_guess), expected);
+  EXPECT_FALSE(is_guess);
+  EXPECT_EQ(Converted("W\xE4gung,1\n", &found, &is_guess), expected);
+  EXPECT_EQ(found, "WINDOWS-1252");
+  EXPECT_TRUE(is_guess);
+  // 0x81 is no letter there.
+  EXPECT_EQ(Converted("\x81\n", &found, &is_guess), "\xC2\x81\n");
+  EXPECT_EQ(found, "ISO-8859-1");
+  const std::string utf16(
+      "W\0\xE4\0g\0u\0n\0g\0,\0"
+      "1\0\n\0",
+      18);
+  EXPECT_EQ(Converted("\xFF\xFE" + utf16, &found, &is_guess), expected);
+  EXPECT_EQ(Converted(utf16, &found, &is_guess), expected);
+  EXPECT_EQ(found, "UTF-16LE");
+  EXPECT_FALSE(is_guess);
+  EXPECT_EQ(Converted("W\x84gung,1\n", &found, &is_guess, "CP437"), expected);
+}
+
+TEST(TextEncodingTest, RefusesWhatIsNoText) {
+  std::string found;
+  std::string error;
+  bool is_guess = false;
+  std::string text("a\0b,c\nd\n", 8);
+  EXPECT_FALSE(ConvertToUtf8("", &text, &found, &is_guess, &error));
+  EXPECT_THAT(error, HasSubstr("zero bytes"));
+  text = "a\n\xFF\n";
+  EXPECT_FALSE(ConvertToUtf8("UTF-8", &text, &found, &is_guess, &error));
+  EXPECT_THAT(error, HasSubstr("line 2"));
+  EXPECT_FALSE(ConvertToUtf8("no such", &text, &found, &is_guess, &error));
+  EXPECT_THAT(error, HasSubstr("'no such' is not known"));
+}
+
+}  // namespace
+}  // namespace pinode

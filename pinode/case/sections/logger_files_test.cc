@@ -1,0 +1,210 @@
+// Records in the files of data loggers: keys, units and clocks.
+
+#include <cmath>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/case/sections/modes_section.h"
+#include "tests/support/case_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Returns SmallRecord as a German logger writes it, beginning at `clock` of a
+// day: `12:00:` and seconds, from `first` on.
+std::string GermanRecord(int first = 0, int samples = 200) {
+  std::string text =
+      "Logger X;;;\nHalle;W\xE4gung;;\nZeit;ag [gal];a1 [g];d2 (mm)\n";
+  for (int i = first; i < first + samples; ++i) {
+    const double t = 0.01 * i;
+    const int hundredths = i % 100;
+    std::string row = "01.03.2024 12:00:";
+    row += (i / 100 < 10 ? "0" : "") + std::to_string(i / 100) + ".";
+    row += (hundredths < 10 ? "0" : "") + std::to_string(hundredths);
+    for (const double value :
+         {80.0 * std::sin(9.0 * t), 0.1 * std::sin(8.0 * t),
+          4.0 * std::sin(8.0 * t) + 1.0}) {
+      std::string cell = FormatNumber(value, 9);
+      if (cell.find('.') != std::string::npos) cell[cell.find('.')] = ',';
+      row += ";" + cell;
+    }
+    text += row + "\n";
+  }
+  return text;
+}
+
+std::string GermanCase() {
+  std::string text = Replaced(SmallCase(), "time = \"t\"", "time = \"Zeit\"");
+  // The file states the units.
+  text = Replaced(text, "  unit = \"gal\"\n", "");
+  text = Replaced(text, "  unit = \"g\"\n", "");
+  return Replaced(text, "  unit = \"mm\"\n", "");
+}
+
+TEST(LoggerFilesTest, GermanRecordIsReadAsThePlainOne) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", GermanRecord());
+  const Case c = ReadOrFail(folder.Write("case.toml", GermanCase()));
+  const IdentificationRecord& record = c.problem.records[0];
+  ASSERT_EQ(record.num_samples(), 200);
+  EXPECT_NEAR(record.sampling_step(), 0.01, 1e-12);
+  for (int i = 0; i < 200; i += 7) {
+    const double t = 0.01 * i;
+    EXPECT_NEAR(record.excitation->samples()(0, i), 0.8 * std::sin(9.0 * t),
+                1e-8);
+    EXPECT_NEAR(record.channels[0].values[i], 0.980665 * std::sin(8.0 * t),
+                1e-8);
+    EXPECT_NEAR(record.channels[1].values[i],
+                0.001 * (4.0 * std::sin(8.0 * t) + 1.0), 1e-10);
+  }
+  EXPECT_THAT(record.description.remarks,
+              Contains(AllOf(HasSubstr("read quake.csv"),
+                             HasSubstr("decimal comma, names in line 3"),
+                             HasSubstr("0 s is 2024-03-01 12:00:00"))));
+}
+
+TEST(LoggerFilesTest, ContradictingUnitsAreNamed) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", GermanRecord());
+  const Case c = ReadOrFail(folder.Write(
+      "case.toml", Replaced(GermanCase(), "column = \"a1\"\n",
+                            "column = \"a1\"\n  unit = \"mg\"\n")));
+  const IdentificationRecord& record = c.problem.records[0];
+  // The case counts.
+  EXPECT_NEAR(record.channels[0].values[10], 0.980665e-3 * std::sin(0.8), 1e-9);
+  EXPECT_THAT(record.description.remarks,
+              Contains(HasSubstr("channel a1: the file says g, the case says "
+                                 "mg")));
+}
+
+TEST(LoggerFilesTest, ScaleOfAChannel) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", GermanRecord());
+  const std::string text = Replaced(
+      GermanCase(), "column = \"a1\"\n",
+      "column = \"a1\"\n  unit = \"mg\"\n  scale = 1000\n  sigma = 2\n");
+  const Case c = ReadOrFail(folder.Write("case.toml", text));
+  const IdentificationRecord& record = c.problem.records[0];
+  EXPECT_NEAR(record.channels[0].values[10], 0.980665 * std::sin(0.8), 1e-8);
+  // Noise of the column, before the scale: 2 mg times 1000.
+  EXPECT_NEAR(record.channels[0].sigma, 2.0 * 9.80665, 1e-9);
+  EXPECT_NEAR(record.channels[0].description.factor, 9.80665, 1e-9);
+  // The two factors agree with the file.
+  EXPECT_THAT(record.description.remarks,
+              Not(Contains(HasSubstr("the file says"))));
+  Case bad;
+  std::string error;
+  EXPECT_FALSE(ReadCase(
+      folder.Write("bad.toml", Replaced(text, "scale = 1000", "scale = 0")),
+      &bad, &error));
+  EXPECT_THAT(error, HasSubstr("'scale' is 0"));
+}
+
+TEST(LoggerFilesTest, FilesAreAlignedByTheirClocks) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", GermanRecord());
+  // Begins half a second later.
+  folder.Write("late.csv", GermanRecord(50, 200));
+  std::string text = Replaced(GermanCase(), "column = \"d2\"",
+                              "column = \"d2\"\n  file = \"late.csv\"");
+  const Case c = ReadOrFail(folder.Write("case.toml", text));
+  const Vector& late = c.problem.records[0].channels[1].values;
+  EXPECT_TRUE(std::isnan(late[49]));
+  for (int i = 50; i < 200; i += 7) {
+    EXPECT_NEAR(late[i], 0.001 * (4.0 * std::sin(0.08 * i) + 1.0), 1e-10);
+  }
+  // Without a clock there is nothing to align by.
+  folder.Write("late.csv", Replaced(SmallRecord(), "t,", "Zeit,"));
+  Case bad;
+  std::string error;
+  text = Replaced(text, "file = \"late.csv\"",
+                  "file = \"late.csv\"\n  unit = \"mm\"");
+  EXPECT_FALSE(ReadCase(folder.Write("case.toml", text), &bad, &error));
+  EXPECT_THAT(error, HasSubstr("not both clock times of one kind"));
+}
+
+TEST(LoggerFilesTest, KeysOfTheRecord) {
+  TemporaryFolder folder;
+  // Names that are not in the last line above the rows.
+  folder.Write("quake.csv",
+               "Zeit;ag;a1;d2\nfloat;float;x\n" +
+                   GermanRecord().substr(GermanRecord().find("01.03.2024")));
+  std::string text = SmallCase();
+  for (const auto& [name, number] :
+       {std::pair("ag", "2"), {"a1", "3"}, {"d2", "4"}}) {
+    text = Replaced(
+        text, std::string("column = \"") + name,
+        std::string("name = \"") + name + "\"\n  column = \"column_" + number);
+  }
+  text = Replaced(text, "  name = \"ag\"\n", "");
+  Case c;
+  std::string error;
+  const std::string without =
+      Replaced(text, "time = \"t\"", "time = \"column_1\"");
+  EXPECT_FALSE(ReadCase(folder.Write("case.toml", without), &c, &error));
+  EXPECT_THAT(error, HasSubstr("`header_lines = 2`"));
+  const std::string keys =
+      Replaced(without, "time = \"column_1\"",
+               "time = \"column_1\"\nheader_lines = 2\ndelimiter = \";\"\n"
+               "decimal = \",\"\nencoding = \"ISO-8859-1\"\n"
+               "time_format = \"%d.%m.%Y %H:%M:%S\"");
+  ASSERT_TRUE(ReadCase(folder.Write("case.toml", keys), &c, &error)) << error;
+  EXPECT_NEAR(c.problem.records[0].excitation->samples()(0, 10),
+              0.8 * std::sin(0.9), 1e-8);
+  for (const auto& [key, value] :
+       {std::pair("delimiter = \";\"", "delimiter = \"x\""),
+        {"decimal = \",\"", "decimal = \";\""},
+        {"header_lines = 2", "header_lines = -2"}}) {
+    EXPECT_FALSE(ReadCase(folder.Write("case.toml", Replaced(keys, key, value)),
+                          &c, &error));
+    EXPECT_THAT(error, HasSubstr("expected"));
+  }
+}
+
+TEST(LoggerFilesTest, TheUnitOfTheTimeIsThatOfTheFile) {
+  TemporaryFolder folder;
+  std::string record = "Time [ms],ag,a1,d2\n";
+  for (int i = 0; i < 100; ++i) {
+    record += std::to_string(10 * i) + ",0." + std::to_string(i) + ",0.2,0." +
+              std::to_string(100 - i) + "\n";
+  }
+  folder.Write("quake.csv", record);
+  const std::string text =
+      Replaced(Replaced(SmallCase(), "\"t\"", "\"Time [ms]\""),
+               "column = \"a1\"", "fit = false\n  column = \"a1\"");
+  const Case c = ReadOrFail(folder.Write("case.toml", text));
+  EXPECT_NEAR(c.problem.records[0].sampling_step(), 0.01, 1e-12);
+  EXPECT_EQ(c.problem.records[0].description.time_unit, "ms");
+  EXPECT_NEAR(c.problem.records[0].description.time_factor, 1e-3, 1e-15);
+}
+
+TEST(LoggerFilesTest, ModesOfAFileAlone) {
+  TemporaryFolder folder;
+  ModesDataFile file;
+  file.path = folder.Write("german.csv", GermanRecord());
+  file.columns = {"all"};
+  file.quantities = {"acceleration", "acceleration", "displacement"};
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  ASSERT_EQ(c.records.size(), 1u);
+  EXPECT_NEAR(c.records[0].sampling_step, 0.01, 1e-12);
+  ASSERT_EQ(c.records[0].num_channels(), 3);
+  EXPECT_EQ(c.records[0].channels[2].name, "d2 (mm)");
+  EXPECT_NEAR(c.records[0].samples(1, 10), 0.980665 * std::sin(0.8), 1e-8);
+  // A displacement is no acceleration.
+  file.quantities = {"acceleration"};
+  EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
+  EXPECT_THAT(
+      error, AllOf(HasSubstr("'d2 (mm)' is in mm"), HasSubstr("--quantities")));
+}
+
+}  // namespace
+}  // namespace pinode

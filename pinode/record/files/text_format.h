@@ -1,0 +1,34 @@
+// What a user says about the form of a text file.
+
+#ifndef PINODE_RECORD_FILES_TEXT_FORMAT_H_
+#define PINODE_RECORD_FILES_TEXT_FORMAT_H_
+
+#include <string>
+
+namespace pinode {
+
+// Form of a text file with columns. What is not set is found from the text.
+struct TextFormat {
+  // Name of the encoding, as iconv knows it.
+  std::string encoding;
+  // Number of lines above the first row of numbers; -1: found.
+  int header_lines = -1;
+  // '\t', ';', ',', '|', or ' ' for blanks; 0: found.
+  char delimiter = 0;
+  // '.' or ','; 0: found.
+  char decimal = 0;
+  // Format of clock times, as strptime (POSIX) has it, with %f for a fraction.
+  std::string time_format;
+  // Column that is the time; empty: none. Only its clock times are read.
+  std::string time_column;
+  // Unit of the time column if it holds numbers; empty: that of the file, else
+  // seconds.
+  std::string time_unit;
+
+  // All fields in one text, to compare and pass them.
+  std::string AsText() const;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_RECORD_FILES_TEXT_FORMAT_H_

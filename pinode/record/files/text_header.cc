@@ -1,0 +1,229 @@
+#include "pinode/record/files/text_header.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
+
+namespace pinode {
+namespace {
+
+// Lines above the rows that are searched for names and units.
+constexpr size_t kMostHeaderLines = 6;
+
+bool IsUnitRow(const std::vector<std::string>& cells) {
+  size_t known = 0;
+  size_t filled = 0;
+  for (const std::string& cell : cells) {
+    if (cell.empty() || cell == "-" || cell == "[-]") continue;
+    ++filled;
+    double number = 0.0;
+    if (!ParseDouble(cell, &number) && !UnitOfCell(cell).empty()) {
+      ++known;
+    } else if (cell.front() != '[' && cell.front() != '(') {
+      return false;
+    }
+  }
+  return known > 0 && 2 * known >= filled;
+}
+
+class HeaderFinder {
+ public:
+  HeaderFinder(const std::vector<TextLine>& lines, const TextFormat& format)
+      : lines_(lines), format_(format) {}
+
+  TextHeader FindHeader(const RowRun& run) {
+    TextHeader header;
+    header.first_row = run.first;
+    size_t first_row = run.first;
+    size_t seen = 0;
+    for (size_t i = run.first; i-- > 0 && seen < kMostHeaderLines;) {
+      const std::string_view line = lines_[i].text;
+      if (IsNoRow(line)) {
+        // A blank line above the rows ends a header.
+        continue;
+      }
+      ++seen;
+      if (IsSeparatorLine(line)) continue;
+      std::vector<std::string> cells = Cells(line, run.delimiter);
+      const size_t own = cells.size();
+      if (!Fits(run, &cells)) {
+        header.is_odd = true;
+        header.odd = i;
+        header.odd_cells = own;
+        return header;
+      }
+      if (!header.has_units && i > 0 && IsUnitRow(cells) &&
+          HasNamesAbove(run, i)) {
+        header.has_units = true;
+        header.units = i;
+        header.unit_cells = std::move(cells);
+        continue;
+      }
+      // The first line of a file with a text in it is always one of names.
+      const bool are_names = AreNames(cells) || (IsFirst(i) && HasText(cells));
+      if (!are_names && MayBeBrokenRow(run, cells)) {
+        // The rows begin earlier; reading them names the cell.
+        first_row = i;
+        --seen;
+        continue;
+      }
+      if (!are_names) {
+        header.is_odd = true;
+        header.odd = i;
+        header.odd_cells = own;
+        return header;
+      }
+      header.found = true;
+      header.names = i;
+      header.first_row = first_row;
+      header.cells = std::move(cells);
+      if (!header.has_units && i > 0) {
+        std::vector<std::string> above =
+            Cells(lines_[i - 1].text, run.delimiter);
+        if (Fits(run, &above) && IsUnitRow(above)) {
+          header.has_units = true;
+          header.units = i - 1;
+          header.unit_cells = std::move(above);
+        }
+      }
+      return header;
+    }
+    header.first_row = first_row;
+    FindHeaderInComment(run, &header);
+    return header;
+  }
+
+ private:
+  std::vector<std::string> Cells(std::string_view line, char delimiter) {
+    std::vector<std::string> cells;
+    if (!SplitCells(line, delimiter, &cells_, &storage_)) return cells;
+    for (const std::string_view cell : cells_) cells.emplace_back(cell);
+    return cells;
+  }
+
+  // Brings a header line to the number of cells of the rows, if it can be one.
+  bool Fits(const RowRun& run, std::vector<std::string>* cells) const {
+    const size_t n = run.kinds.size();
+    while (cells->size() > n && cells->back().empty()) cells->pop_back();
+    // Rows may end with a delimiter.
+    if (cells->size() + 1 == n && run.kinds.back() == CellKind::kMissing) {
+      cells->emplace_back();
+    }
+    // One name over a date and a time with a blank between.
+    if (run.delimiter == ' ' && n >= 2 && cells->size() + 1 == n &&
+        run.kinds[0] == CellKind::kDate &&
+        run.kinds[1] == CellKind::kTimeOfDay) {
+      cells->insert(cells->begin(), std::string());
+    }
+    return cells->size() == n;
+  }
+
+  // True for texts, most of all. Numbers may be names beside them if they count
+  // channels: "t,1,2,3".
+  static bool AreNames(const std::vector<std::string>& cells) {
+    size_t filled = 0;
+    size_t texts = 0;
+    bool count = true;
+    double number = 0.0;
+    double last = -1.0;
+    for (const std::string& cell : cells) {
+      if (cell.empty()) continue;
+      ++filled;
+      if (ParseCell(cell, '.', &number) || ParseCell(cell, ',', &number)) {
+        count = count && texts > 0 &&
+                (last < 0.0 ? number <= 1.0 : number == last + 1.0);
+        last = number;
+      } else {
+        ++texts;
+      }
+    }
+    return texts > 0 && 2 * filled >= cells.size() &&
+           (2 * texts > filled || (count && texts + 1 < filled));
+  }
+
+  static bool HasText(const std::vector<std::string>& cells) {
+    double number = 0.0;
+    return std::any_of(
+        cells.begin(), cells.end(), [&number](const std::string& cell) {
+          return !cell.empty() && !ParseCell(cell, '.', &number) &&
+                 !ParseCell(cell, ',', &number);
+        });
+  }
+
+  // True if nothing but comments stands above a line.
+  bool IsFirst(size_t line) const {
+    return std::all_of(
+        lines_.begin(), lines_.begin() + static_cast<ptrdiff_t>(line),
+        [](const TextLine& above) { return IsNoRow(above.text); });
+  }
+
+  // True for a line that would be a row but for a few of its cells.
+  bool MayBeBrokenRow(const RowRun& run,
+                      const std::vector<std::string>& cells) {
+    size_t numbers = 0;
+    double number = 0.0;
+    for (const std::string& cell : cells) {
+      if (!IsMissing(cell) && ParseCell(cell, run.decimal, &number)) ++numbers;
+    }
+    return numbers > 0 && format_.header_lines < 0;
+  }
+
+  bool HasNamesAbove(const RowRun& run, size_t line) {
+    for (size_t i = line; i-- > 0;) {
+      if (IsNoRow(lines_[i].text) || IsSeparatorLine(lines_[i].text)) continue;
+      std::vector<std::string> cells = Cells(lines_[i].text, run.delimiter);
+      return Fits(run, &cells) && AreNames(cells);
+    }
+    return false;
+  }
+
+  // Looks for names in the last comment above the rows.
+  void FindHeaderInComment(const RowRun& run, TextHeader* header) {
+    for (size_t i = run.first; i-- > 0;) {
+      std::string_view line = StripBlanks(lines_[i].text);
+      if (line.empty() || line.front() != '#') continue;
+      line.remove_prefix(std::min(line.find_first_not_of("# "), line.size()));
+      std::vector<std::string> cells = Cells(line, run.delimiter);
+      // "# Rate: 200 Hz" is no line of names.
+      const bool are_names =
+          std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+            double number = 0.0;
+            return !cell.empty() && !ParseCell(cell, '.', &number) &&
+                   cell.find(':') == std::string::npos;
+          });
+      if (cells.size() != run.kinds.size() || !are_names) return;
+      header->found = true;
+      header->in_comment = true;
+      header->names = i;
+      header->cells = std::move(cells);
+      return;
+    }
+  }
+  const std::vector<TextLine>& lines_;
+  const TextFormat& format_;
+  std::vector<std::string_view> cells_;
+  std::vector<std::string> storage_;
+};
+
+}  // namespace
+
+std::string UnitOfCell(std::string_view cell) {
+  if (cell.size() > 2 && ((cell.front() == '[' && cell.back() == ']') ||
+                          (cell.front() == '(' && cell.back() == ')'))) {
+    cell = StripBlanks(cell.substr(1, cell.size() - 2));
+  }
+  return CanonicalUnit(cell);
+}
+
+bool IsSeparatorLine(std::string_view line) {
+  return line.find_first_not_of("-=_*+~;,| \t\"") == std::string_view::npos;
+}
+
+TextHeader FindTextHeader(const std::vector<TextLine>& lines,
+                          const TextFormat& format, const RowRun& run) {
+  return HeaderFinder(lines, format).FindHeader(run);
+}
+
+}  // namespace pinode

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
+#include "pinode/base/strings.h"
+#include "pinode/base/text_encoding.h"
+#include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_table.h"
+#include "pinode/record/files/text_time.h"
+
+namespace pinode {
+namespace {
+
+// Bytes at the beginning of a file that its outline is found from.
+constexpr size_t kOutlineBytes = size_t{1} << 19;
+// Counts of clocks since 1970 are larger.
+constexpr double kLeastTicks = 9e11;
+
+// True for names that people and loggers give to the time.
+bool IsTimeName(const std::string& name) {
+  std::string lower = LowerCase(name);
+  for (const char* drop : {"_s", "_ms", "_us", "_sec"}) {
+    const std::string end = drop;
+    if (lower.size() > end.size() &&
+        lower.compare(lower.size() - end.size(), end.size(), end) == 0) {
+      lower.resize(lower.size() - end.size());
+    }
+  }
+  ReplaceAll("_", " ", &lower);
+  for (const char* known :
+       {"t",          "time",         "times",     "zeit",          "timestamp",
+        "time stamp", "zeitstempel",  "datetime",  "date time",     "date/time",
+        "datum/zeit", "uhrzeit",      "temps",     "tiempo",        "tempo",
+        "elapsed",    "elapsed time", "rel. time", "relative time", "x value",
+        "ms",         "us",           "msec",      "usec",          "sec",
+        "seconds",    "milliseconds"}) {
+    if (lower == known) return true;
+  }
+  return false;
+}
+
+// Numbers of the first rows, NaN for other cells.
+Matrix FirstRows(const std::string& text, const TextLayout& layout) {
+  constexpr Eigen::Index kMostRows = 200;
+  const Eigen::Index num_columns =
+      static_cast<Eigen::Index>(layout.columns.size());
+  Matrix values = Matrix::Constant(kMostRows, num_columns,
+                                   std::numeric_limits<double>::quiet_NaN());
+  Eigen::Index row = 0;
+  std::vector<std::string_view> cells;
+  std::vector<std::string> storage;
+  size_t at = layout.first_row;
+  while (at < text.size() && row < kMostRows) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    if (IsNoRow(line) ||
+        !SplitCells(line, layout.delimiter, &cells, &storage)) {
+      continue;
+    }
+    for (Eigen::Index j = 0; j < num_columns; ++j) {
+      const size_t cell = static_cast<size_t>(j);
+      double value = 0.0;
+      if (cell < cells.size() &&
+          ParseCell(cells[cell], layout.decimal, &value)) {
+        values(row, j) = value;
+      }
+    }
+    ++row;
+  }
+  return values.topRows(row);
+}
+
+// True for values that rise by about the same step, as rounded times do.
+bool RiseEvenly(const Eigen::Ref<const Vector>& values, double* step) {
+  constexpr double kLargestDeviation = 0.5;  // in steps
+  if (values.size() < 3) return false;
+  *step = (values[values.size() - 1] - values[0]) /
+          static_cast<double>(values.size() - 1);
+  for (Eigen::Index i = 1; i < values.size(); ++i) {
+    const double own = values[i] - values[i - 1];
+    if (!(*step > 0.0) ||
+        !(std::abs(own - *step) <= kLargestDeviation * *step)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
+                      const TextFormat& format) {
+  TextOutline outline;
+  outline.columns = layout.columns;
+  const Matrix rows = FirstRows(text, layout);
+  int clock = -1;
+  int named = -1;
+  // First column behind row numbers.
+  int first = 0;
+  for (size_t i = 0; i < layout.columns.size(); ++i) {
+    const TextColumn& column = layout.columns[i];
+    const int place = static_cast<int>(i);
+    const bool is_number = column.kind == CellKind::kNumber;
+    bool is_channel = is_number;
+    double step = 0.0;
+    if (is_number && RiseEvenly(rows.col(place), &step)) {
+      const bool whole = std::floor(rows(1, place)) == rows(1, place) &&
+                         std::floor(rows(0, place)) == rows(0, place);
+      // Row numbers, and an unknown first column that rises evenly.
+      if (whole && step == 1.0) {
+        is_channel = false;
+        if (place == first) ++first;
+      }
+      // Ticks since 1970 are told by their size.
+      const bool are_ticks = rows(0, place) > kLeastTicks;
+      if (place == first || are_ticks) {
+        is_channel = false;
+        const bool is_known = !whole || are_ticks;
+        if (is_known && named < 0) named = place;
+      }
+    }
+    if (column.kind == CellKind::kDateTime ||
+        column.kind == CellKind::kTimeOfDay) {
+      if (clock < 0) clock = place;
+    }
+    if (is_number && IsTimeName(column.short_name)) {
+      is_channel = false;
+      if (named < 0) named = place;
+    }
+    outline.is_channel.push_back(is_channel);
+  }
+  outline.time_column = clock >= 0 ? clock : named;
+  if (outline.time_column < 0) return outline;
+  const TimeParts parts = FindTimeParts(layout, format, outline.time_column);
+  for (size_t i = 0; i < outline.is_channel.size(); ++i) {
+    if (parts.Has(static_cast<int>(i)) ||
+        static_cast<int>(i) == outline.time_column) {
+      outline.is_channel[i] = false;
+    }
+  }
+  return outline;
+}
+
+}  // namespace
+
+bool ReadTextOutline(const std::string& path, const TextFormat& format,
+                     TextOutline* outline, std::string* error) {
+  std::string text;
+  if (!ReadTextOfAnyEncoding(path, &text, error)) return false;
+  // The end of a line, in any encoding.
+  if (text.size() > kOutlineBytes) {
+    const size_t end = text.find('\n', kOutlineBytes);
+    if (end != std::string::npos && end + 2 < text.size()) {
+      text.resize(end + (text[end + 1] == '\0' ? 2 : 1));
+    }
+  }
+  std::string encoding;
+  std::string what;
+  bool is_guess = false;
+  if (!ConvertToUtf8(format.encoding, &text, &encoding, &is_guess, &what)) {
+    *error = path + ": " + what;
+    return false;
+  }
+  LinesOfCarriageReturns(&text);
+  TextLayout layout;
+  if (!FindTextLayout(text, path, format, &layout, error)) return false;
+  *outline = OutlineOf(text, layout, format);
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,506 @@
+#include "pinode/record/files/text_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
+#include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
+#include "pinode/base/text_encoding.h"
+#include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_time.h"
+
+namespace pinode {
+namespace {
+
+// Numbers of more digits are no exact doubles.
+constexpr double kLargestExact = 9e15;
+// Vibration is hardly ever sampled at longer steps, s.
+constexpr double kLargestStep = 0.5;
+
+// Returns the text of a delimiter for messages.
+std::string DelimiterName(char delimiter) {
+  switch (delimiter) {
+    case '\t':
+      return "tabs";
+    case ' ':
+      return "blanks";
+    case ';':
+      return "semicolons";
+    case '|':
+      return "bars";
+    case ',':
+      return "commas";
+    default:
+      return "one column";
+  }
+}
+
+bool HasName(const std::string& name, const std::vector<std::string>& names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+class TextTableReader {
+ public:
+  TextTableReader(std::string text, const std::string& path,
+                  const std::vector<std::string>& wanted,
+                  const TextFormat& format, std::string* error)
+      : text_(std::move(text)),
+        path_(path),
+        wanted_(wanted),
+        format_(format),
+        error_(error) {}
+
+  bool Read(Table* table) {
+    bool is_guess = false;
+    std::string encoding;
+    std::string what;
+    if (!ConvertToUtf8(format_.encoding, &text_, &encoding, &is_guess, &what)) {
+      *error_ = path_ + ": " + what;
+      return false;
+    }
+    LinesOfCarriageReturns(&text_);
+    if (encoding != "UTF-8") {
+      said_ = "text in " + encoding + (is_guess ? " (a guess)" : "");
+    }
+    if (!FindTextLayout(text_, path_, format_, &layout_, &what)) {
+      return ReadWithoutLayout(what, table);
+    }
+    if (!FindColumns()) return false;
+    const bool plain = layout_.is_plain && !parts_.IsClock() && !HasLongTime();
+    if (!(plain ? ReadPlain() : ReadRows())) return false;
+    if (!plain) SayLayout();
+    if (!FinishTime()) return false;
+    table_.reading = std::move(said_);
+    *table = std::move(table_);
+    return true;
+  }
+
+ private:
+  bool Fail(int64_t line, const std::string& message) {
+    *error_ = path_ + ":" + std::to_string(line) + ": " + message;
+    return false;
+  }
+
+  void Say(const std::string& text) {
+    said_ += (said_.empty() ? "" : ", ") + text;
+  }
+
+  void SayLayout() {
+    std::string text = DelimiterName(layout_.delimiter) + " between columns";
+    if (layout_.decimal == ',') text += ", decimal comma";
+    text += layout_.names_line > 0
+                ? ", names in line " + std::to_string(layout_.names_line)
+                : ", no names";
+    if (layout_.units_line > 0) {
+      text += ", units in line " + std::to_string(layout_.units_line);
+    }
+    text += ", first row in line " + std::to_string(layout_.first_row_line);
+    said_ = said_.empty() ? text : said_ + ", " + text;
+  }
+
+  const TextColumn& ColumnAt(int i) const {
+    return layout_.columns[static_cast<size_t>(i)];
+  }
+
+  // Finds the wanted columns, and the parts of the time.
+  bool FindColumns() {
+    const int64_t line =
+        layout_.names_line > 0 ? layout_.names_line : layout_.first_row_line;
+    std::string what;
+    if (!format_.time_column.empty() &&
+        (wanted_.empty() || HasName(format_.time_column, wanted_))) {
+      time_ = layout_.FindColumn(format_.time_column, &what);
+      if (time_ < 0) return Fail(line, what);
+      parts_ = FindTimeParts(layout_, format_, time_);
+    }
+    if (wanted_.empty()) {
+      for (size_t i = 0; i < layout_.columns.size(); ++i) {
+        const int place = static_cast<int>(i);
+        const CellKind kind = layout_.columns[i].kind;
+        if (place != time_ &&
+            (parts_.Has(place) ||
+             (kind != CellKind::kNumber && kind != CellKind::kMissing))) {
+          continue;
+        }
+        places_.push_back(place);
+        table_.columns.push_back(layout_.columns[i].name);
+      }
+    }
+    for (const std::string& name : wanted_) {
+      if (HasName(name, table_.columns)) continue;
+      const int place = layout_.FindColumn(name, &what);
+      if (place < 0) return Fail(line, what);
+      places_.push_back(place);
+      table_.columns.push_back(name);
+    }
+    table_.path = path_;
+    for (const int place : places_) {
+      table_.units.push_back(ColumnAt(place).unit);
+    }
+    return true;
+  }
+
+  // Reads a table whose layout is not found, such as one with names on several
+  // lines, if it is CSV; else keeps the error of the layout.
+  bool ReadWithoutLayout(const std::string& what, Table* table) {
+    TextFormat plain;
+    plain.time_column = format_.time_column;
+    plain.time_unit = format_.time_unit;
+    std::string other;
+    if (plain.AsText() != format_.AsText() ||
+        !ParseCsvTable(text_, path_, wanted_, &table_, &other)) {
+      *error_ = what;
+      return false;
+    }
+    table_.reading = said_;
+    *table = std::move(table_);
+    return true;
+  }
+
+  // True for times with more digits than a double has.
+  bool HasLongTime() {
+    if (time_ < 0) return false;
+    const size_t end =
+        std::min(text_.find('\n', layout_.first_row), text_.size());
+    const std::string_view line(text_.data() + layout_.first_row,
+                                end - layout_.first_row);
+    double value = 0.0;
+    return SplitCells(line, layout_.delimiter, &cells_, &storage_) &&
+           cells_.size() > static_cast<size_t>(time_) &&
+           ParseCell(cells_[static_cast<size_t>(time_)], layout_.decimal,
+                     &value) &&
+           std::abs(value) > kLargestExact;
+  }
+
+  bool ReadPlain() {
+    std::vector<std::string> names;
+    for (const int place : places_) names.push_back(ColumnAt(place).name);
+    Table plain;
+    if (!ParseCsvTable(std::move(text_), path_, names, &plain, error_)) {
+      return false;
+    }
+    table_.values = std::move(plain.values);
+    table_.line_numbers = std::move(plain.line_numbers);
+    return true;
+  }
+
+  // Reads all rows by the layout; once more with decimal commas where the first
+  // rows left that open.
+  bool ReadRows() {
+    const auto begin = static_cast<ptrdiff_t>(layout_.first_row);
+    const auto rows = std::count(text_.begin() + begin, text_.end(), '\n') + 1;
+    table_.values.resize(rows, static_cast<Eigen::Index>(places_.size()));
+    table_.line_numbers.clear();
+    table_.line_numbers.reserve(static_cast<size_t>(rows));
+    clock_.clear();
+    blank_line_ = 0;
+    if (parts_.IsClock()) clock_.reserve(static_cast<size_t>(rows));
+    Eigen::Index row = 0;
+    int64_t line_number = layout_.first_row_line - 1;
+    size_t at = layout_.first_row;
+    while (at < text_.size()) {
+      const size_t end = std::min(text_.find('\n', at), text_.size());
+      const std::string_view line(text_.data() + at, end - at);
+      at = end + 1;
+      ++line_number;
+      if (IsNoRow(line) && !IsRowOfTabs(line)) {
+        if (StripBlanks(line).empty()) blank_line_ = line_number;
+        continue;
+      }
+      if (blank_line_ > 0 && layout_.num_cells == 1 && row > 0) {
+        return Fail(blank_line_,
+                    "a blank line between rows of one column may be a missing "
+                    "value; write nan there, or delete the line");
+      }
+      if (!ReadRow(line, line_number, row)) {
+        if (!reread_) return false;
+        reread_ = false;
+        layout_.is_decimal_open = false;
+        layout_.decimal = ',';
+        return ReadRows();
+      }
+      table_.line_numbers.push_back(line_number);
+      ++row;
+    }
+    table_.values.conservativeResize(row, Eigen::NoChange);
+    return CheckMeaning() && FinishClock();
+  }
+
+  bool ReadRow(std::string_view line, int64_t line_number, Eigen::Index row) {
+    if (!SplitCells(line, layout_.delimiter, &cells_, &storage_)) {
+      return Fail(
+          line_number,
+          "stray quote, expected cells quoted as a whole (\"...\", with "
+          "a quote inside doubled), each on one line");
+    }
+    while (cells_.size() > layout_.num_cells && cells_.back().empty()) {
+      cells_.pop_back();
+    }
+    if (cells_.size() + 1 == layout_.num_cells &&
+        layout_.columns.size() < layout_.num_cells) {
+      cells_.emplace_back();
+    }
+    if (cells_.size() != layout_.num_cells) return RefuseRagged(line_number);
+    if (parts_.IsClock()) {
+      ClockCell cell;
+      if (!ParseRowTime(cells_, parts_, format_, layout_.decimal, &cell)) {
+        return Fail(line_number,
+                    "column '" + ColumnAt(time_).name +
+                        "': " + Quote(cells_[static_cast<size_t>(time_)]) +
+                        " is not a time as in the first row; set "
+                        "`time_format`, or give `sampling_rate_hz`");
+      }
+      clock_.push_back(cell);
+    }
+    for (size_t j = 0; j < places_.size(); ++j) {
+      if (places_[j] == time_ && parts_.IsClock()) continue;
+      double value = 0.0;
+      const std::string_view cell = cells_[static_cast<size_t>(places_[j])];
+      if (!ParseNumber(cell, places_[j] == time_, &value)) {
+        return RefuseCell(line_number, places_[j], cell);
+      }
+      table_.values(row, static_cast<Eigen::Index>(j)) = value;
+    }
+    return true;
+  }
+
+  // True for a row of missing values alone.
+  bool IsRowOfTabs(std::string_view line) const {
+    return layout_.delimiter == '\t' &&
+           line.find('\t') != std::string_view::npos &&
+           StripBlanks(line).empty();
+  }
+
+  // Parses a number. Of times that are too large for a double only the
+  // distance from the first one is kept.
+  bool ParseNumber(std::string_view cell, bool is_time, double* value) {
+    if (!ParseCell(cell, layout_.decimal, value)) return false;
+    if (layout_.decimal == ',') WatchThousands(cell);
+    if (layout_.is_decimal_open && cell.find('.') != std::string_view::npos) {
+      layout_.is_decimal_open = false;
+    }
+    if (is_time && std::abs(*value) > kLargestExact) {
+      int64_t whole = 0;
+      if (!ParseInt(cell, &whole)) return true;
+      if (first_ticks_ == 0) first_ticks_ = whole;
+      // The first row keeps its size, by which its unit is told.
+      *value = static_cast<double>(whole - first_ticks_);
+    }
+    return true;
+  }
+
+  // A comma before three digits may part thousands. Notes whether a number
+  // tells.
+  void WatchThousands(std::string_view cell) {
+    if (thousands_ == Thousands::kNo) return;
+    const size_t comma = cell.find(',');
+    if (comma == std::string_view::npos) {
+      // 1234 has no comma where one would be.
+      if (cell.size() > 4) thousands_ = Thousands::kNo;
+      return;
+    }
+    std::string_view before = cell.substr(0, comma);
+    while (!before.empty() && (before.front() == '-' || before.front() == '+' ||
+                               before.front() == ' ')) {
+      before.remove_prefix(1);
+    }
+    const bool may_be = cell.size() - comma - 1 == 3 && !before.empty() &&
+                        before.size() <= 3 && before.front() != '0';
+    thousands_ = may_be ? Thousands::kMayBe : Thousands::kNo;
+    thousand_ = may_be ? std::string(cell) : std::string();
+  }
+
+  bool RefuseCell(int64_t line_number, int place, std::string_view cell) {
+    const std::string where = "column '" + ColumnAt(place).name + "': ";
+    double value = 0.0;
+    ClockCell clock;
+    if (layout_.decimal == '.' && ParseCell(cell, ',', &value)) {
+      if (layout_.is_decimal_open) reread_ = true;
+      return Fail(line_number, where + Quote(cell) +
+                                   " has a decimal comma, other rows have a "
+                                   "decimal point; set `decimal`");
+    }
+    if (ParseClock(cell, &clock)) {
+      return Fail(line_number, where + Quote(cell) +
+                                   " is a clock time, expected a number; "
+                                   "clock times are read where `time` names "
+                                   "the column");
+    }
+    return Fail(line_number,
+                where + Quote(cell) + " is not a number" +
+                    (place == time_ ? "; set `time_format`, or give "
+                                      "`sampling_rate_hz`"
+                                    : "; if the form of the file was found "
+                                      "wrongly, set `decimal`, `delimiter` "
+                                      "or `header_lines`"));
+  }
+
+  bool RefuseRagged(int64_t line_number) {
+    return Fail(line_number, std::to_string(cells_.size()) +
+                                 (cells_.size() == 1 ? " cell" : " cells") +
+                                 ", expected " +
+                                 std::to_string(layout_.num_cells) +
+                                 " as in the first row (line " +
+                                 std::to_string(layout_.first_row_line) + ")");
+  }
+
+  // Refuses numbers that can be read in two ways, and infinite ones.
+  bool CheckMeaning() {
+    for (Eigen::Index j = 0; j < table_.values.cols(); ++j) {
+      if (clock_column(j)) continue;
+      for (Eigen::Index i = 0; i < table_.values.rows(); ++i) {
+        if (!std::isinf(table_.values(i, j))) continue;
+        return Fail(table_.line_numbers[static_cast<size_t>(i)],
+                    "column '" + table_.columns[static_cast<size_t>(j)] +
+                        "': the number is not finite");
+      }
+    }
+    if (thousands_ == Thousands::kMayBe && format_.decimal == 0) {
+      return Fail(layout_.first_row_line,
+                  Quote(thousand_) +
+                      " may be a number with a decimal comma or one with "
+                      "thousands; set `decimal` to \",\" or \".\"");
+    }
+    return true;
+  }
+
+  bool clock_column(Eigen::Index j) const {
+    return parts_.IsClock() && places_[static_cast<size_t>(j)] == time_;
+  }
+
+  bool FinishClock() {
+    if (!parts_.IsClock()) return true;
+    ClockColumn column;
+    int64_t bad_row = -1;
+    std::string what;
+    if (!ResolveClock(clock_, &column, &bad_row, &what)) {
+      const size_t row = static_cast<size_t>(std::max<int64_t>(bad_row, 0));
+      return Fail(table_.line_numbers[row],
+                  "column '" + ColumnAt(time_).name + "': the time " + what);
+    }
+    if (MostRepeat(column.seconds)) {
+      return Fail(layout_.first_row_line,
+                  "column '" + ColumnAt(time_).name +
+                      "': most times repeat the one before, the clock is "
+                      "coarser than the rows; give `sampling_rate_hz` in "
+                      "place of `time`");
+    }
+    Vector times = Eigen::Map<const Vector>(
+        column.seconds.data(),
+        static_cast<Eigen::Index>(column.seconds.size()));
+    double range = 0.0;
+    // Times of day start anew at midnight.
+    if (!column.is_dated) UnwrapCounter({86400.0}, times, &range);
+    for (size_t j = 0; j < places_.size(); ++j) {
+      if (places_[j] == time_) {
+        table_.values.col(static_cast<Eigen::Index>(j)) = times;
+      }
+    }
+    table_.time_unit = "s";
+    table_.time_origin.seconds = column.origin;
+    table_.time_origin.kind = !column.is_dated ? TimeOrigin::Kind::kTimeOfDay
+                              : column.is_order_certain
+                                  ? TimeOrigin::Kind::kDate
+                                  : TimeOrigin::Kind::kDoubtfulDate;
+    time_said_ =
+        "time '" + ColumnAt(time_).name +
+        "': " + (column.format.empty() ? "time of day" : column.format) +
+        (parts_.fraction >= 0
+             ? ", fraction from '" + ColumnAt(parts_.fraction).name + "'"
+             : "") +
+        "; 0 s is " + ClockText(column.origin, column.is_dated) +
+        (range > 0.0 ? "; midnight was passed" : "");
+    return true;
+  }
+
+  static bool MostRepeat(const std::vector<double>& seconds) {
+    size_t repeated = 0;
+    for (size_t i = 1; i < seconds.size(); ++i) {
+      if (seconds[i] == seconds[i - 1]) ++repeated;
+    }
+    return 2 * repeated + 1 > seconds.size();
+  }
+
+  // True for times without a name and unit whose steps are too large for
+  // seconds.
+  bool HasDoubtfulUnit(int column) const {
+    if (layout_.names_line > 0 || !format_.time_unit.empty() ||
+        table_.num_rows() < 2) {
+      return false;
+    }
+    const auto times = table_.values.col(column);
+    return first_ticks_ == 0 && std::abs(times[0]) < 1e9 &&
+           times[1] - times[0] > kLargestStep;
+  }
+
+  bool FinishTime() {
+    if (!time_said_.empty()) Say(time_said_);
+    if (time_ < 0 || parts_.IsClock()) return true;
+    const int column = table_.FindColumn(format_.time_column);
+    if (HasDoubtfulUnit(column)) {
+      return Fail(layout_.first_row_line,
+                  "column '" + ColumnAt(time_).name +
+                      "' may be seconds or milliseconds; set `time_unit` to "
+                      "\"s\" or \"ms\"");
+    }
+    if (layout_.names_line == 0 && format_.time_unit.empty()) {
+      Say("time '" + ColumnAt(time_).name + "' taken as seconds");
+    }
+    std::string what;
+    if (!ReadTimeNumbers(format_, ColumnAt(time_).unit, column,
+                         static_cast<double>(first_ticks_), &table_, &said_,
+                         &what)) {
+      return Fail(layout_.first_row_line, what);
+    }
+    return true;
+  }
+
+  enum class Thousands { kUnknown, kMayBe, kNo };
+
+  std::string text_;
+  const std::string& path_;
+  const std::vector<std::string>& wanted_;
+  const TextFormat& format_;
+  std::string* error_;
+  TextLayout layout_;
+  Table table_;
+  std::string said_;
+  std::string time_said_;
+  // Columns of the file, in the order of the table.
+  std::vector<int> places_;
+  int time_ = -1;
+  TimeParts parts_;
+  std::vector<ClockCell> clock_;
+  int64_t first_ticks_ = 0;
+  Thousands thousands_ = Thousands::kUnknown;
+  std::string thousand_;
+  bool reread_ = false;
+  int64_t blank_line_ = 0;
+  std::vector<std::string_view> cells_;
+  std::vector<std::string> storage_;
+};
+
+}  // namespace
+
+bool ParseTextTable(std::string text, const std::string& path,
+                    const std::vector<std::string>& wanted,
+                    const TextFormat& format, Table* table,
+                    std::string* error) {
+  CHECK(table != nullptr);
+  CHECK(error != nullptr);
+  return TextTableReader(std::move(text), path, wanted, format, error)
+      .Read(table);
+}
+
+bool ReadTextTable(const std::string& path,
+                   const std::vector<std::string>& wanted,
+                   const TextFormat& format, Table* table, std::string* error) {
+  std::string text;
+  return ReadTextOfAnyEncoding(path, &text, error) &&
+         ParseTextTable(std::move(text), path, wanted, format, table, error);
+}
+
+}  // namespace pinode

@@ -1,0 +1,59 @@
+// Tables from text files as data loggers and spreadsheets write them.
+
+#ifndef PINODE_RECORD_FILES_TEXT_TABLE_H_
+#define PINODE_RECORD_FILES_TEXT_TABLE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/record/files/text_format.h"
+#include "pinode/record/files/text_layout.h"
+#include "pinode/record/table.h"
+
+namespace pinode {
+
+// Reads the columns of a text file. Encoding, delimiter, decimal sign, names,
+// units and preamble are found from the text (FindTextLayout), if `format` does
+// not give them. Plain CSV is read by ParseCsvTable, as always.
+//
+// The column `format.time_column` may hold clock times, alone or in
+// neighbouring columns of date, time of day and fractions; it becomes seconds
+// from the first row. Counters that start anew (at 2^14 or 1000, say) and
+// counts of ticks since 1970 or year 1 are understood too. Table::time_unit is
+// the unit of the result. Table::reading says what was assumed. Table::units
+// are those that the file states.
+//
+// `wanted` as for ReadCsvTable. A name may leave out the unit behind it, and
+// has its number behind it if it occurs several times (`a[2]`). An empty
+// `wanted` means every column of numbers, and the time.
+//
+// Refuses, with `path:line: ...` and the key that helps, what has several
+// meanings.
+[[nodiscard]] bool ReadTextTable(const std::string& path,
+                                 const std::vector<std::string>& wanted,
+                                 const TextFormat& format, Table* table,
+                                 std::string* error);
+
+// Does the same for a text in memory.
+[[nodiscard]] bool ParseTextTable(std::string text, const std::string& path,
+                                  const std::vector<std::string>& wanted,
+                                  const TextFormat& format, Table* table,
+                                  std::string* error);
+
+// Columns of a text file, from its beginning alone.
+struct TextOutline {
+  std::vector<TextColumn> columns;
+  // Column that is the time by its name or contents, or -1.
+  int time_column = -1;
+  // Columns that are no channels: the time and its parts, row numbers, texts.
+  std::vector<bool> is_channel;
+};
+
+// Reads the outline of a text file.
+[[nodiscard]] bool ReadTextOutline(const std::string& path,
+                                   const TextFormat& format,
+                                   TextOutline* outline, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_RECORD_FILES_TEXT_TABLE_H_

@@ -1,0 +1,327 @@
+#include "pinode/record/files/text_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/measured_data_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// A format whose time is in this column.
+TextFormat WithTime(const std::string& column) {
+  TextFormat format;
+  format.time_column = column;
+  return format;
+}
+
+Table ParseText(const std::string& text, const TextFormat& format = {}) {
+  Table table;
+  std::string error;
+  EXPECT_TRUE(ParseTextTable(text, "r.csv", {}, format, &table, &error))
+      << error;
+  return table;
+}
+
+std::string ErrorOf(const std::string& text, const TextFormat& format = {}) {
+  Table table;
+  std::string error;
+  EXPECT_FALSE(ParseTextTable(text, "r.csv", {}, format, &table, &error))
+      << table.reading;
+  EXPECT_THAT(error, StartsWith("r.csv"));
+  return error;
+}
+
+TEST(TextTableTest, PlainFilesAreReadWithoutAssumptions) {
+  const Table table = ParseText("t,a\n0,1.5\n0.1,2\n", WithTime("t"));
+  EXPECT_EQ(table.reading, "");
+  EXPECT_EQ(table.time_unit, "s");
+  EXPECT_THAT(table.columns, ElementsAre("t", "a"));
+}
+
+TEST(TextTableTest, NamesMayBeNumbers) {
+  EXPECT_THAT(ParseText("t,1\n0,5\n1,6\n").columns, ElementsAre("t", "1"));
+  EXPECT_THAT(ParseText("Logger;X;Y\n\nt;1;2\n0;5;6\n1;6;7\n").columns,
+              ElementsAre("t", "1", "2"));
+}
+
+TEST(TextTableTest, NamesOnSeveralLinesAreCsv) {
+  const Table table =
+      ParseText("t,a,\"b,\nc\"\n0,1,2\n1,3,nan\n", WithTime("t"));
+  EXPECT_THAT(table.columns, ElementsAre("t", "a", "b,\nc"));
+  EXPECT_EQ(table.values(1, 1), 3.0);
+}
+
+TEST(TextTableTest, GermanLogger) {
+  const Table table = ParseText(
+      "Logger;X1;\nHalle;W\xE4gung;\nRate [Hz];200;\n\n"
+      "Zeit;CH1 [mg];Dach\n"
+      "01.03.2024 12:00:00,000;0,00;-1,5\n"
+      "01.03.2024 12:00:00,005;-0,35;2\n",
+      WithTime("Zeit"));
+  EXPECT_THAT(table.columns, ElementsAre("Zeit", "CH1 [mg]", "Dach"));
+  EXPECT_THAT(table.units, ElementsAre("", "mg", ""));
+  EXPECT_NEAR(table.values(1, 0), 0.005, 1e-9);
+  EXPECT_EQ(table.values(1, 1), -0.35);
+  EXPECT_EQ(table.values(0, 2), -1.5);
+  EXPECT_THAT(table.line_numbers, ElementsAre(6, 7));
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kDate);
+  EXPECT_THAT(table.reading, HasSubstr("WINDOWS-1252 (a guess)"));
+  EXPECT_THAT(table.reading, HasSubstr("decimal comma, names in line 5"));
+  EXPECT_THAT(table.reading, HasSubstr("0 s is 2024-03-01 12:00:00"));
+}
+
+TEST(TextTableTest, ColumnsAreFoundWithoutTheirUnits) {
+  Table table;
+  std::string error;
+  const std::string text = "t;acc [mg];acc;acc\n0;1;2;3\n1;4;5;6\n";
+  ASSERT_TRUE(
+      ParseTextTable(text, "r.csv", {"acc[2]", "t"}, {}, &table, &error))
+      << error;
+  EXPECT_EQ(table.values(1, 0), 6.0);
+  ASSERT_TRUE(ParseTextTable("t;b [mg]\n0;1\n1;4\n", "r.csv", {"b"}, {}, &table,
+                             &error))
+      << error;
+  EXPECT_EQ(table.values(1, 0), 4.0);
+  EXPECT_THAT(table.units, ElementsAre("mg"));
+  EXPECT_FALSE(ParseTextTable("t;a;a\n0;1;2\n1;4;5\n", "r.csv", {"a"}, {},
+                              &table, &error));
+  EXPECT_THAT(error, HasSubstr("expected 'a[1]' or 'a[2]'"));
+}
+
+TEST(TextTableTest, KeysOverrideWhatIsFound) {
+  TextFormat format;
+  format.decimal = ',';
+  EXPECT_EQ(ParseText("1,234\n2,345\n3,456\n", format).values(0, 0), 1.234);
+  format = TextFormat();
+  format.delimiter = ',';
+  EXPECT_EQ(ParseText("1,234\n2,345\n3,456\n", format).values(0, 1), 234.0);
+  format = TextFormat();
+  format.header_lines = 2;
+  const Table table = ParseText("7;8;9\nx;1\n1;2\n3;4\n", format);
+  EXPECT_EQ(table.values(0, 0), 1.0);
+  EXPECT_EQ(table.num_rows(), 2);
+  format = TextFormat();
+  format.encoding = "SHIFT_JIS";
+  EXPECT_EQ(ParseText("\x8E\x9E\x8A\xD4,a\n0,1\n1,2\n", format).columns[0],
+            "\xE6\x99\x82\xE9\x96\x93");
+  format.encoding = "no such";
+  EXPECT_THAT(ErrorOf("t,a\n0,1\n", format), HasSubstr("is not known"));
+  format = WithTime("t");
+  format.time_format = "%d/%m/%Y %H:%M:%S";
+  EXPECT_NEAR(
+      ParseText("t,a\n01/02/2024 23:59:59.5,1\n02/02/2024 00:00:00.5,2\n",
+                format)
+          .values(1, 0),
+      1.0, 1e-9);
+}
+
+TEST(TextTableTest, TextWithSeveralMeaningsIsRefused) {
+  // One column with decimal commas, or two columns.
+  EXPECT_THAT(ErrorOf("1,234\n2,345\n3,456\n"), HasSubstr("`decimal`"));
+  // Thousands, or decimals.
+  EXPECT_THAT(ErrorOf("a;b\n1,234;5\n2,345;6\n"), HasSubstr("thousands"));
+  EXPECT_EQ(ParseText("a;b\n1,234;5\n0,345;6\n").values(0, 0), 1.234);
+  // 1 February or 2 January, and the times differ.
+  EXPECT_THAT(ErrorOf("t;a\n01/02/2024 12:00:00;1\n03/02/2024 12:00:00;2\n"
+                      "05/02/2024 12:00:00;3\n",
+                      WithTime("t")),
+              HasSubstr("`time_format`"));
+  // The same day: the order makes no difference.
+  const Table table = ParseText(
+      "t;a\n01/02/2024 12:00:00;1\n01/02/2024 12:00:01;2\n", WithTime("t"));
+  EXPECT_EQ(table.values(1, 0), 1.0);
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kDoubtfulDate);
+  // Hours and minutes, or minutes and seconds.
+  EXPECT_THAT(ErrorOf("t;a\n12:30;1\n12:31;2\n", WithTime("t")),
+              HasSubstr("`"));
+  // Days of a spreadsheet, or seconds.
+  EXPECT_THAT(ErrorOf("t;a\n45352.5;1\n45352.50001;2\n", WithTime("t")),
+              HasSubstr("`time_unit`"));
+  // A clock that is coarser than the rows.
+  EXPECT_THAT(ErrorOf("t;a\n12:30:00;1\n12:30:00;2\n12:30:00;3\n12:30:01;4\n",
+                      WithTime("t")),
+              HasSubstr("`sampling_rate_hz`"));
+  // Names, or a row.
+  EXPECT_THAT(ErrorOf("0,1,2\n0.5,1.5,2.5\n1.5,3.5,4.5\n"),
+              HasSubstr("`header_lines = 0` or `1`"));
+  // Missing values, or nothing.
+  EXPECT_THAT(ErrorOf("a\n1.5\n\n2.5\n"), HasSubstr("missing value"));
+}
+
+TEST(TextTableTest, FaultsNameTheLine) {
+  const std::string head = "x\nt;a\n0,0;1,5\n0,1;2,5\n";
+  EXPECT_THAT(ErrorOf(head + "0,2;OVER\n"),
+              HasSubstr(":5: column 'a': 'OVER' is not a number"));
+  // In the first rows as well.
+  std::string rows = "t,a,b\n0,1,2\n1,OVER,3\n";
+  for (int i = 2; i < 40; ++i) rows += std::to_string(i) + ",1,2\n";
+  EXPECT_THAT(ErrorOf(rows), HasSubstr(":3: column 'a': 'OVER' is not"));
+  EXPECT_THAT(ErrorOf("x\n" + rows),
+              HasSubstr(":4: column 'a': 'OVER' is not"));
+  EXPECT_THAT(ErrorOf(head + "0,2\n"), HasSubstr(":5: 1 cell, expected 2"));
+  EXPECT_THAT(ErrorOf(head + "0,2;\"1\n"), HasSubstr(":5: stray quote"));
+  EXPECT_THAT(ErrorOf(head + "0,2;inf\n"), HasSubstr("not finite"));
+  EXPECT_THAT(ErrorOf("a;b\n0;5\n0;6\n1.5;7\n1,5;8\n"), HasSubstr(":5: "));
+  EXPECT_THAT(ErrorOf(std::string("t,a\n0,\0"
+                                  "1\n",
+                                  9)),
+              HasSubstr("zero bytes"));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("is empty"));
+  EXPECT_THAT(ErrorOf("no numbers\nat all\n"), HasSubstr("`delimiter`"));
+  EXPECT_THAT(ErrorOf("t;a\n0,0;1,5;3,0\n0,1;2,5;4,0\n"),
+              HasSubstr("`header_lines = 1`"));
+}
+
+TEST(TextTableTest, DecimalCommasMayComeLate) {
+  std::string text = "a\tb\n";
+  for (int i = 0; i < 50; ++i) text += std::to_string(i) + "\t0\n";
+  EXPECT_EQ(ParseText(text + "50\t0,25\n").values(50, 1), 0.25);
+  EXPECT_EQ(ParseText(text + "50\t0.25\n").values(50, 1), 0.25);
+}
+
+TEST(TextTableTest, CountersGoOn) {
+  std::string text = "ms,a\n";
+  for (int i = 0; i < 600; ++i) {
+    text += std::to_string(5 * i % 1024) + "," + std::to_string(i % 7) + "\n";
+  }
+  const Table table = ParseText(text, WithTime("ms"));
+  EXPECT_EQ(table.time_unit, "ms");
+  for (int i = 0; i < 600; ++i) EXPECT_EQ(table.values(i, 0), 5.0 * i);
+  EXPECT_THAT(table.reading, HasSubstr("starts anew at 1024 ms"));
+  // Two parts of a record are no counter.
+  const Table parts =
+      ParseText("t,a\n0,1\n5,2\n10,3\n3,4\n8,5\n13,6\n", WithTime("t"));
+  EXPECT_EQ(parts.values(3, 0), 3.0);
+}
+
+TEST(TextTableTest, UnitsOfTheTime) {
+  for (const char* name : {"Time [ms]", "time_ms", "t (msec)", "t in ms"}) {
+    const Table table =
+        ParseText(std::string(name) + ",a\n0,1\n5,2\n", WithTime(name));
+    EXPECT_EQ(table.time_unit, "ms") << name;
+  }
+  TextFormat format = WithTime("Time [ms]");
+  format.time_unit = "s";
+  const Table table = ParseText("Time [ms],a\n0,1\n5,2\n", format);
+  EXPECT_EQ(table.time_unit, "s");
+  EXPECT_THAT(table.reading, HasSubstr("though the file says ms"));
+  EXPECT_THAT(ErrorOf("t [mm],a\n0,1\n5,2\n", WithTime("t [mm]")),
+              HasSubstr("`time_unit`"));
+}
+
+// What gen.py of the measured data has written.
+struct Logger {
+  std::string file;
+  std::string time;
+  std::vector<std::string> channels;
+  double scale = 1.0;  // of both channels
+  std::string unit;    // of both channels
+};
+
+std::vector<std::vector<double>> NumbersOf(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::vector<std::vector<double>> rows;
+  while (std::getline(file, line)) {
+    std::vector<double> row;
+    std::stringstream cells(line);
+    std::string cell;
+    while (std::getline(cells, cell, ',')) row.push_back(std::stod(cell));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(TextTableTest, LoggersOfTheMeasuredData) {
+  PINODE_FIND_MEASURED_DATA(folder, "faults/loggers");
+  // The same numbers in all files; this one has nothing else.
+  const auto truth = NumbersOf(folder + "/nohead.csv");
+  ASSERT_EQ(truth.size(), 4000u);
+  const std::vector<Logger> loggers = {
+      {"catman.csv", "Zeit", {"Kanal 1", "Kanal 2"}, 1.0, ""},
+      {"digilent.csv",
+       "Time (s)",
+       {"Channel 1 (V)", "Channel 2 (V)"},
+       1.0,
+       "V"},
+      {"graphtec.csv", "Time", {"mV1", "mV2"}, 100.0, ""},
+      {"iso.csv", "timestamp", {"a1", "a2"}, 1.0, ""},
+      {"mts.txt", "Time", {"Acc1", "Acc2"}, 1.0, "m/s^2"},
+      {"nohead.csv", "column_1", {"column_2", "column_3"}, 1.0, ""},
+      {"space.txt", "Time", {"a1", "a2"}, 1.0, ""},
+      {"th.csv", "timestamp", {"a1", "a2"}, 1.0, ""},
+      {"trail.csv", "t", {"a[1]", "a[2]"}, 1.0, ""},
+      {"units_row.csv", "Time", {"Acc 1", "Acc 2"}, 1.0, "m/s^2"},
+      {"wrap.csv", "ms", {"a1", "a2"}, 1.0, ""}};
+  for (const Logger& logger : loggers) {
+    const std::string path = folder + "/" + logger.file;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadTextOutline(path, {}, &outline, &error)) << error;
+    ASSERT_GE(outline.time_column, 0) << logger.file;
+    EXPECT_EQ(outline.columns[static_cast<size_t>(outline.time_column)].name,
+              logger.time);
+    std::vector<std::string> channels;
+    for (size_t i = 0; i < outline.columns.size(); ++i) {
+      if (outline.is_channel[i]) channels.push_back(outline.columns[i].name);
+    }
+    EXPECT_EQ(channels, logger.channels) << logger.file;
+    Table table;
+    ASSERT_TRUE(ReadTextTable(path, {logger.time, channels[0], channels[1]},
+                              WithTime(logger.time), &table, &error))
+        << error;
+    ASSERT_EQ(table.num_rows(), 4000) << logger.file;
+    EXPECT_THAT(table.units[1], logger.unit) << logger.file;
+    const double second = table.time_unit == "ms" ? 1e-3 : 1.0;
+    double worst = 0.0;
+    double worst_time = 0.0;
+    for (Eigen::Index i = 0; i < 4000; ++i) {
+      const std::vector<double>& row = truth[static_cast<size_t>(i)];
+      worst_time =
+          std::max(worst_time, std::abs(second * table.values(i, 0) - row[0]));
+      for (int c = 1; c <= 2; ++c) {
+        worst = std::max(worst, std::abs(table.values(i, c) / logger.scale -
+                                         row[static_cast<size_t>(c)]));
+      }
+    }
+    // Digits that the files have: 5 decimals of 100 times the value; 7 digits.
+    EXPECT_LT(worst, 1.1e-7) << logger.file;
+    EXPECT_LT(worst_time, 1e-9) << logger.file;
+  }
+}
+
+TEST(TextTableTest, GermanLoggerOfTheMeasuredData) {
+  PINODE_FIND_MEASURED_DATA(folder, "faults");
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ReadTextTable(folder + "/loggers/german_logger.csv", {},
+                            WithTime("Zeit"), &table, &error))
+      << error;
+  // The record that was made from it by other means, in the same numbers.
+  Table record;
+  const std::vector<std::string> channels(table.columns.begin() + 1,
+                                          table.columns.end());
+  ASSERT_TRUE(ReadCsvTable(folder + "/verdict/five_storeys/R_0301.csv",
+                           channels, &record, &error))
+      << error;
+  ASSERT_EQ(table.num_rows(), 8000);
+  EXPECT_EQ(table.values.rightCols(6), record.values);
+  EXPECT_THAT(table.units, ElementsAre("", "mg", "mg", "mg", "mg", "", ""));
+  for (Eigen::Index i = 0; i < 8000; ++i) {
+    ASSERT_NEAR(table.values(i, 0), 0.005 * static_cast<double>(i), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace pinode

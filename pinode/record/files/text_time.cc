@@ -1,0 +1,263 @@
+#include "pinode/record/files/text_time.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pinode/base/file_text.h"
+#include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kSecondsOfDay = 86400.0;
+
+// Counts of clocks that are told by their size, between the years 1998 and
+// 2042.
+struct Ticks {
+  double lowest;
+  double highest;
+  double seconds;
+  double zero;  // seconds since 1970-01-01
+  const char* name;
+};
+constexpr Ticks kTicks[] = {
+    {9e11, 2.3e12, 1e-3, 0.0, "milliseconds since 1970"},
+    {9e14, 2.3e15, 1e-6, 0.0, "microseconds since 1970"},
+    {9e17, 2.3e18, 1e-9, 0.0, "nanoseconds since 1970"},
+    // .NET: 100 ns since the year 1.
+    {6.3e17, 6.45e17, 1e-7, -62135596800.0, "ticks of 100 ns since year 1"}};
+
+// Days as spreadsheets (since 1900) and MATLAB (since year 0) count them are of
+// the size of seconds; only their small steps tell.
+constexpr double kDays[][2] = {{36000.0, 60000.0}, {7.2e5, 7.8e5}};
+constexpr double kLargestStepOfDays = 1e-3;
+
+double MedianStep(const Eigen::Ref<const Vector>& times) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < times.size(); ++i) {
+    const double step = times[i] - times[i - 1];
+    if (step > 0.0) steps.push_back(step);
+  }
+  return steps.empty() ? 0.0 : Median(steps);
+}
+
+// Returns the seconds of a unit, or 0 if it is none of a time.
+double SecondsOf(const std::string& unit) {
+  double factor = 0.0;
+  std::string error;
+  return UnitFactor(unit, Dimension::kTime, UnitSystem(), &factor, &error)
+             ? factor
+             : 0.0;
+}
+
+// Ranges of counters in seconds and in their own counts.
+std::vector<double> CounterRanges(double second) {
+  std::vector<double> ranges;
+  for (int power = 8; power <= 48; ++power) {
+    ranges.push_back(std::ldexp(1.0, power));
+  }
+  for (int power = 2; power <= 12; ++power) {
+    ranges.push_back(std::pow(10.0, power));
+  }
+  for (const double seconds : {60.0, 3600.0, kSecondsOfDay}) {
+    ranges.push_back(seconds / second);
+  }
+  return ranges;
+}
+
+}  // namespace
+
+TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
+                        int column) {
+  TimeParts parts;
+  const auto kind = [&layout](int i) {
+    return i < 0 || i >= static_cast<int>(layout.columns.size())
+               ? CellKind::kText
+               : layout.columns[static_cast<size_t>(i)].kind;
+  };
+  switch (kind(column)) {
+    case CellKind::kDateTime:
+      parts.date = column;
+      return parts;
+    case CellKind::kDate:
+      parts.date = column;
+      for (const int i : {column + 1, column - 1}) {
+        if (kind(i) == CellKind::kTimeOfDay) parts.time = i;
+        if (parts.time >= 0) break;
+      }
+      break;
+    case CellKind::kTimeOfDay:
+      parts.time = column;
+      for (const int i : {column - 1, column + 1}) {
+        if (kind(i) == CellKind::kDate) parts.date = i;
+        if (parts.date >= 0) break;
+      }
+      break;
+    default:
+      if (!format.time_format.empty()) parts.date = column;
+      return parts;
+  }
+  const int next = parts.time + 1;
+  if (parts.time < 0 || kind(next) != CellKind::kNumber) return parts;
+  const TextColumn& fraction = layout.columns[static_cast<size_t>(next)];
+  const std::string unit =
+      fraction.unit.empty() ? UnitOfTimeName(fraction.name) : fraction.unit;
+  if (unit == "ms" || unit == "us" || unit == "ns") {
+    parts.fraction = next;
+    parts.fraction_in_seconds = SecondsOf(unit);
+  }
+  return parts;
+}
+
+bool ParseRowTime(const std::vector<std::string_view>& cells,
+                  const TimeParts& parts, const TextFormat& format,
+                  char decimal, ClockCell* cell) {
+  const auto text = [&cells](int i) { return cells[static_cast<size_t>(i)]; };
+  if (!format.time_format.empty()) {
+    const int first = parts.date >= 0 ? parts.date : parts.time;
+    std::string whole(text(first));
+    if (parts.date >= 0 && parts.time >= 0) {
+      whole += " " + std::string(text(parts.time));
+    }
+    if (!ParseClockBy(format.time_format, whole, cell)) return false;
+  } else if (parts.date >= 0) {
+    if (!ParseClock(text(parts.date), cell)) return false;
+    if (parts.time >= 0) {
+      ClockCell time;
+      if (!ParseClock(text(parts.time), &time) || time.has_date) return false;
+      cell->has_time = true;
+      cell->seconds = time.seconds;
+      cell->has_zone = time.has_zone;
+      cell->zone = time.zone;
+    }
+  } else if (!ParseClock(text(parts.time), cell)) {
+    return false;
+  }
+  if (parts.fraction < 0) return true;
+  double fraction = 0.0;
+  if (!ParseCell(text(parts.fraction), decimal, &fraction) ||
+      !(fraction * parts.fraction_in_seconds < 1.0) || !(fraction >= 0.0)) {
+    return false;
+  }
+  cell->seconds += fraction * parts.fraction_in_seconds;
+  return true;
+}
+
+std::string UnitOfTimeName(const std::string& name) {
+  std::string unit = CanonicalUnit(name);
+  const size_t at = name.rfind('_');
+  if (unit.empty() && at != std::string::npos) {
+    unit = CanonicalUnit(name.substr(at + 1));
+  }
+  // One letter may be any name.
+  if (unit == "s" && at == std::string::npos && name.size() < 2) return "";
+  if (unit == "h" || unit == "min" || unit == "day") return "";
+  return SecondsOf(unit) > 0.0 ? unit : "";
+}
+
+void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
+                   double* range) {
+  *range = 0.0;
+  const double step = MedianStep(times);
+  if (step <= 0.0) return;
+  std::vector<Eigen::Index> starts;
+  double highest = times[0];
+  for (Eigen::Index i = 1; i < times.size(); ++i) {
+    if (std::isnan(times[i])) return;
+    highest = std::max(highest, times[i]);
+    if (times[i] < times[i - 1]) starts.push_back(i);
+  }
+  if (starts.empty()) return;
+  for (const double candidate : ranges) {
+    if (candidate <= highest) continue;
+    const bool fits =
+        std::all_of(starts.begin(), starts.end(), [&](Eigen::Index i) {
+          const double over = times[i] + candidate - times[i - 1];
+          return std::abs(over - step) < 0.5 * step;
+        });
+    if (!fits) continue;
+    // Two ranges that fit leave it open.
+    if (*range != 0.0 && std::abs(*range - candidate) > 1e-9 * candidate) {
+      *range = 0.0;
+      return;
+    }
+    *range = candidate;
+  }
+  if (*range == 0.0) return;
+  double added = 0.0;
+  size_t next = 0;
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    if (next < starts.size() && starts[next] == i) {
+      added += *range;
+      ++next;
+    }
+    times[i] += added;
+  }
+}
+
+bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
+                     int column, double first, Table* table, std::string* said,
+                     std::string* error) {
+  auto times = table->values.col(column);
+  const std::string& name = table->columns[static_cast<size_t>(column)];
+  const auto say = [said](const std::string& text) {
+    *said += (said->empty() ? "" : ", ") + text;
+  };
+  std::string unit = format.time_unit;
+  if (unit.empty()) unit = file_unit;
+  if (unit.empty()) unit = UnitOfTimeName(name);
+  if (!unit.empty() && SecondsOf(unit) == 0.0) {
+    *error = "column '" + name + "' is the time, but its unit is " + unit +
+             "; set `time` to the column of the time, or `time_unit`";
+    return false;
+  }
+  if (!format.time_unit.empty() && !file_unit.empty() &&
+      std::abs(SecondsOf(file_unit) - SecondsOf(format.time_unit)) > 0.0) {
+    say("time in " + format.time_unit +
+        " as the case says, though the file "
+        "says " +
+        file_unit);
+  }
+  if (unit.empty() && times.size() > 1) {
+    for (const Ticks& ticks : kTicks) {
+      const double begin = first != 0.0 ? first : times[0];
+      if (begin < ticks.lowest || begin > ticks.highest) continue;
+      times = (ticks.seconds * (times.array() - times[0])).matrix().eval();
+      table->time_origin.kind = TimeOrigin::Kind::kDate;
+      table->time_origin.seconds = ticks.zero + begin * ticks.seconds;
+      table->time_unit = "s";
+      say("time '" + name + "' in " + ticks.name + "; 0 s is " +
+          ClockText(table->time_origin.seconds, true));
+      return true;
+    }
+    const double step = MedianStep(times);
+    for (const auto& days : kDays) {
+      if (times[0] < days[0] || times[0] > days[1] ||
+          step > kLargestStepOfDays) {
+        continue;
+      }
+      *error = "column '" + name +
+               "' may be days, as spreadsheets count them, "
+               "or seconds; set `time_unit` to \"day\" or \"s\"";
+      return false;
+    }
+  }
+  const bool is_stated = !unit.empty();
+  if (!is_stated) unit = "s";
+  table->time_unit = unit;
+  if (is_stated && unit != "s" && format.time_unit.empty()) {
+    say("time '" + name + "' in " + unit);
+  }
+  double range = 0.0;
+  UnwrapCounter(CounterRanges(SecondsOf(unit)), times, &range);
+  if (range > 0.0) {
+    say("time '" + name + "' starts anew at " + FormatNumber(range, 15) + " " +
+        unit + " and was continued");
+  }
+  return true;
+}
+
+}  // namespace pinode

@@ -1,0 +1,66 @@
+// The time column of a text file.
+
+#ifndef PINODE_RECORD_FILES_TEXT_TIME_H_
+#define PINODE_RECORD_FILES_TEXT_TIME_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pinode/record/files/clock.h"
+#include "pinode/record/files/text_format.h"
+#include "pinode/record/files/text_layout.h"
+#include "pinode/record/table.h"
+
+namespace pinode {
+
+// Columns that make up a time: a clock time in one column, or a date, a time of
+// day and a fraction of a second side by side.
+struct TimeParts {
+  int date = -1;      // or date and time of day
+  int time = -1;      // time of day
+  int fraction = -1;  // whole numbers
+  double fraction_in_seconds = 0.0;
+
+  bool IsClock() const { return date >= 0 || time >= 0; }
+  bool Has(int column) const {
+    return column == date || column == time || column == fraction;
+  }
+};
+
+// Finds the parts that belong to a column of clock times; none of a column of
+// numbers, unless the format says that it holds clock times.
+TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
+                        int column);
+
+// Parses the time of a row; false if it is none.
+[[nodiscard]] bool ParseRowTime(const std::vector<std::string_view>& cells,
+                                const TimeParts& parts,
+                                const TextFormat& format, char decimal,
+                                ClockCell* cell);
+
+// Returns the unit that a name alone states: "ms", "time_us". Empty if none.
+std::string UnitOfTimeName(const std::string& name);
+
+// Brings the numbers of a time column to a unit that FindTimeGrid can use:
+// finds it (*unit is that of the file, or empty), counts ticks of clocks in
+// seconds from the first row, and continues counters that start anew. Sets
+// table->time_unit and, for clocks, the origin. Appends to *said what was
+// assumed. `first` is what was subtracted from all numbers because they are too
+// large for a double, or 0. Fails with a sentence for numbers with several
+// meanings.
+[[nodiscard]] bool ReadTimeNumbers(const TextFormat& format,
+                                   const std::string& file_unit, int column,
+                                   double first, Table* table,
+                                   std::string* said, std::string* error);
+
+// Continues times that start anew after a fixed range: a power of two or ten,
+// minutes, hours, days. The range is taken only where the step over each start
+// is that of the other rows. *range is 0 without one.
+void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
+                   double* range);
+
+}  // namespace pinode
+
+#endif  // PINODE_RECORD_FILES_TEXT_TIME_H_
