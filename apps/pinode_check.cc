@@ -137,6 +137,31 @@ void PrintModel(const Case& c, const CaseCheck& check) {
   }
 }
 
+// Prints the peaks of the records' spectra beside the model's modes.
+void PrintPeaks(const CaseCheck& check) {
+  bool any = false;
+  for (const RecordPeaks& record : check.record_peaks) {
+    if (record.hz.empty()) continue;
+    if (!any) {
+      std::printf(
+          "\nPeaks in the spectra of the responses, Hz, to compare with "
+          "the modes\n");
+    }
+    any = true;
+    std::printf("  %s:", record.record.c_str());
+    for (const double hz : record.hz) std::printf(" %.4g", hz);
+    std::printf("\n");
+  }
+}
+
+void PrintQuestions(const CaseCheck& check) {
+  if (check.questions.empty()) return;
+  std::printf("\nPlease check\n");
+  for (const std::string& question : check.questions) {
+    std::printf("  %s\n", question.c_str());
+  }
+}
+
 void PrintRecords(const Case& c) {
   std::printf("\nRecords\n");
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
@@ -295,6 +320,8 @@ void Print(const Case& c, const CaseCheck& check) {
   PrintModel(c, check);
   if (!c.problem.records.empty()) PrintRecords(c);
   PrintAmbientRecords(c);
+  PrintPeaks(check);
+  PrintQuestions(check);
   PrintCandidates(c);
   PrintMeasuredModes(c, check);
   for (const std::string& remark : c.problem.description.remarks) {

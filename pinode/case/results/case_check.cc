@@ -50,6 +50,8 @@ CaseCheck CheckCase(const Case& c) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   FindModelModes(dynamics, &check);
   MatchMeasuredModes(c.problem.modal, dynamics, &check);
+  check.record_peaks = FindRecordPeaks(c);
+  check.questions = FindQuestions(c, check.modes, check.record_peaks);
   check.has_measurements = !c.problem.records.empty() ||
                            !c.problem.modal.empty() ||
                            !c.problem.ambient.empty();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/case/results/case_questions.h"
 #include "pinode/case/sections/case_file.h"
 #include "pinode/estimate/certainty/assessment.h"
 #include "pinode/problem/measured_mode.h"
@@ -28,6 +29,11 @@ struct CaseCheck {
   // modes.
   std::vector<bool> mode_in_use;
   std::vector<ModeMatch> mode_match;
+
+  // Peaks of the records' spectra, and what can hardly be meant as it is
+  // written.
+  std::vector<RecordPeaks> record_peaks;
+  std::vector<std::string> questions;
 
   // Assessment of the measurements; `not_assessed` is the reason for a missing
   // one. Both are empty without measurements.

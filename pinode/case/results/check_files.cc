@@ -102,6 +102,14 @@ Json Records(const Case& c) {
   return records;
 }
 
+Json Peaks(const CaseCheck& check) {
+  Json peaks = Json::array();
+  for (const RecordPeaks& record : check.record_peaks) {
+    peaks.push_back({{"record", record.record}, {"hz", record.hz}});
+  }
+  return peaks;
+}
+
 Json AmbientRecords(const Case& c) {
   Json records = Json::array();
   for (const AmbientRecord& record : c.problem.ambient) {
@@ -173,6 +181,8 @@ Json Check(const Case& c, const CaseCheck& check) {
   json["finite_element"] = FiniteElement(c);
   json["records"] = Records(c);
   json["ambient"] = AmbientRecords(c);
+  json["peaks"] = Peaks(check);
+  json["questions"] = check.questions;
   json["measured_modes"] = MeasuredModes(c, check);
   json["candidates"] = Json::array();
   for (const ModelCandidate& candidate : c.candidates) {

@@ -21,6 +21,7 @@ namespace pinode {
 //  "records": [{"name", "role", "samples", "step", "channels": [...],
 //               "integrator", "substeps", "fastest_mode", "remarks": [...]}],
 //  "ambient": [{"name", "samples", "step", "channels": [...]}],
+//  "peaks": [{"record", "hz": [...]}], "questions": [...],
 //  "measured_modes": [{"name", "frequency_hz", "in_use", "mode", "model_hz",
 //                      "mac"}],
 //  "candidates": [...], "free_parameters", "residuals", "start_states",

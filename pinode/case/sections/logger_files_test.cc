@@ -206,5 +206,18 @@ TEST(LoggerFilesTest, ModesOfAFileAlone) {
       error, AllOf(HasSubstr("'d2 (mm)' is in mm"), HasSubstr("--quantities")));
 }
 
+TEST(LoggerFilesTest, DampingRatiosAreNoPerCent) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(
+      folder.Write("case.toml",
+                   Replaced(SmallCase(), "ratios = [0.02]", "ratios = [2]")),
+      &c, &error));
+  EXPECT_THAT(error, AllOf(HasSubstr("case.toml:9"), HasSubstr("200 %"),
+                           HasSubstr("2 % is 0.02")));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -81,6 +81,14 @@ bool ReadDampingRule(const TomlTable& table, int num_dofs, DampingRule* rule) {
   }
   rule->kind = DampingRule::Kind::kRatios;
   rule->ratios = ToVector(inner.Numbers("ratios"));
+  for (const double ratio : rule->ratios) {
+    // A building with a ratio of 1 does not vibrate.
+    if (ratio <= 1.0) continue;
+    return inner.Fail("ratios", "a damping ratio of " + FormatNumber(ratio, 6) +
+                                    " is " + FormatNumber(100.0 * ratio, 6) +
+                                    " % of critical, expected at most 1; 2 % "
+                                    "is 0.02");
+  }
   return table.errors()->ok();
 }
 
