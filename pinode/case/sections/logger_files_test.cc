@@ -199,11 +199,25 @@ TEST(LoggerFilesTest, ModesOfAFileAlone) {
   ASSERT_EQ(c.records[0].num_channels(), 3);
   EXPECT_EQ(c.records[0].channels[2].name, "d2 (mm)");
   EXPECT_NEAR(c.records[0].samples(1, 10), 0.980665 * std::sin(0.8), 1e-8);
+  // A temperature is no acceleration, and a text no channel.
+  ModesDataFile other;
+  other.path = folder.Write(
+      "other.csv",
+      "t,a [g],T (C),state\n0,1,20,ok\n0.1,2,21,OVER\n0.2,1,20,ok\n");
+  other.columns = {"all"};
+  EXPECT_FALSE(ReadModesDataFile(other, &c, &error));
+  EXPECT_THAT(error, HasSubstr("the unit of column 'T (C)' is not known"));
+  other.path = folder.Write(
+      "other.csv", "t,a [g],b,state\n0,1,20,ok\n0.1,2,21,OVER\n0.2,1,20,ok\n");
+  ASSERT_TRUE(ReadModesDataFile(other, &c, &error)) << error;
+  EXPECT_THAT(c.remarks,
+              Contains(HasSubstr("Left out, because they hold text: state")));
+  EXPECT_THAT(c.remarks, Contains(HasSubstr("b: taken as g")));
   // A displacement is no acceleration.
   file.quantities = {"acceleration"};
   EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
-  EXPECT_THAT(
-      error, AllOf(HasSubstr("'d2 (mm)' is in mm"), HasSubstr("--quantities")));
+  EXPECT_THAT(error, AllOf(HasSubstr("'d2 (mm)' is in mm"),
+                           HasSubstr("set its quantity")));
 }
 
 TEST(LoggerFilesTest, DampingRatiosAreNoPerCent) {

@@ -340,7 +340,7 @@ class DataFileReader {
     if (!ModesCaseReader(root, file_.path, nullptr, error_).Read(c)) {
       return false;
     }
-    if (!remark_.empty()) c->remarks.push_back(remark_);
+    c->remarks.insert(c->remarks.end(), remarks_.begin(), remarks_.end());
     return true;
   }
 
@@ -381,17 +381,25 @@ class DataFileReader {
       if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
     }
     return Fail(
-        "no column is known to be the time, expected one called 't' or 'time', "
-        "clock times, --time=COLUMN or --sampling_rate_hz");
+        "no column is known to be the time; expected one called 't' or 'time', "
+        "clock times, the name of the time column, or a sampling rate");
   }
 
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
     columns_.clear();
+    std::vector<std::string> texts;
     for (size_t i = 0; i < outline_.columns.size(); ++i) {
+      if (outline_.columns[i].kind == CellKind::kText) {
+        texts.push_back(outline_.columns[i].name);
+      }
       if (outline_.is_channel[i] && outline_.columns[i].name != time_) {
         columns_.push_back(outline_.columns[i].name);
       }
+    }
+    if (!texts.empty()) {
+      remarks_.push_back(
+          "Left out, because they hold text: " + Join(texts, ", ") + ".");
     }
     if (IsTextFile(file_.path)) {
       return !columns_.empty() || Fail("no column holds a channel's numbers");
@@ -439,7 +447,7 @@ class DataFileReader {
         return Fail("column '" + columns_[i] + "' is in " + units_[i] +
                     ", the unit of " + DimensionName(dimension) +
                     ", but its quantity is " + quantities_[i] +
-                    "; set --quantities, or leave the column out of --columns");
+                    "; set its quantity, or leave the column out");
       }
       if (first.empty()) first = units_[i];
       same = same && units_[i] == first;
@@ -451,8 +459,15 @@ class DataFileReader {
     }
     if (first.empty() || without.empty()) return true;
     for (std::string& unit : units_) unit = first;
-    remark_ = "No unit is stated for " + Join(without, ", ") + ": taken as " +
-              first + ", as the other columns are.";
+    for (const std::string& name : without) {
+      // "Temp (C)" is something else.
+      if (name.back() != ']' && name.back() != ')') continue;
+      return Fail("the unit of column '" + name +
+                  "' is not known, and others have " + first +
+                  "; name the columns of one kind alone");
+    }
+    remarks_.push_back("No unit is stated for " + Join(without, ", ") +
+                       ": taken as " + first + ", as the other columns are.");
     return true;
   }
 
@@ -486,7 +501,7 @@ class DataFileReader {
   std::vector<std::string> quantities_;
   std::vector<std::string> units_;
   TextOutline outline_;  // of a text file
-  std::string remark_;
+  std::vector<std::string> remarks_;
   std::string time_;
   std::string* error_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
 
@@ -63,6 +64,8 @@ class HeaderFinder {
       }
       // The first line of a file with a text in it is always one of names.
       const bool are_names = AreNames(cells) || (IsFirst(i) && HasText(cells));
+      // A row of types, such as "float;float;float".
+      if (are_names && AreTypes(cells) && HasNamesAbove(run, i)) continue;
       if (!are_names && MayBeBrokenRow(run, cells)) {
         // The rows begin earlier; reading them names the cell.
         first_row = i;
@@ -107,6 +110,8 @@ class HeaderFinder {
   bool Fits(const RowRun& run, std::vector<std::string>* cells) const {
     const size_t n = run.kinds.size();
     while (cells->size() > n && cells->back().empty()) cells->pop_back();
+    // LabVIEW names a column of comments that its rows do not have.
+    if (cells->size() == n + 1 && cells->back() == "Comment") cells->pop_back();
     // Rows may end with a delimiter.
     if (cells->size() + 1 == n && run.kinds.back() == CellKind::kMissing) {
       cells->emplace_back();
@@ -141,6 +146,17 @@ class HeaderFinder {
     }
     return texts > 0 && 2 * filled >= cells.size() &&
            (2 * texts > filled || (count && texts + 1 < filled));
+  }
+
+  static bool AreTypes(const std::vector<std::string>& cells) {
+    return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+      const std::string lower = LowerCase(cell);
+      for (const char* type : {"float", "double", "single", "real", "int",
+                               "integer", "float32", "float64"}) {
+        if (lower == type) return true;
+      }
+      return false;
+    });
   }
 
   static bool HasText(const std::vector<std::string>& cells) {

@@ -62,7 +62,8 @@ class LayoutFinder {
     }
     return Fail(0,
                 "no rows of numbers are found. Set `delimiter`, `decimal` and "
-                "`header_lines`, the number of lines above the first row");
+                "`header_lines`, the number of lines above the first row, and "
+                "`time_format` for clock times in a form of their own");
   }
 
   // Keeps one run, or refuses.
@@ -194,7 +195,39 @@ class LayoutFinder {
     return false;
   }
 
+  // True for whole numbers between commas that may be the two parts of numbers
+  // with decimal commas: a part begins with a zero, or every second cell is
+  // without a sign.
+  bool MayBeDecimalCommas() {
+    if (run_.delimiter != ',' || header_.found || format_.delimiter != 0 ||
+        format_.decimal != 0) {
+      return false;
+    }
+    bool has_zeros = false;
+    bool can_be_pairs = run_.kinds.size() % 2 == 0;
+    std::vector<std::string_view> cells;
+    std::vector<std::string> storage;
+    size_t rows = 0;
+    for (size_t i = run_.first; i < lines_.size() && rows < run_.rows; ++i) {
+      if (IsNoRow(lines_[i].text)) continue;
+      ++rows;
+      if (!SplitCells(lines_[i].text, ',', &cells, &storage)) continue;
+      for (size_t c = 0; c < cells.size(); ++c) {
+        const std::string_view cell = cells[c];
+        if (cell.find_first_not_of("+-0123456789") != std::string_view::npos ||
+            cell.empty()) {
+          return false;
+        }
+        has_zeros = has_zeros || (cell.size() > 1 && cell[0] == '0');
+        const bool is_signed = cell[0] == '-' || cell[0] == '+';
+        can_be_pairs = can_be_pairs && !(c % 2 == 1 && is_signed);
+      }
+    }
+    return has_zeros || can_be_pairs;
+  }
+
   bool CheckHeader() {
+    if (MayBeDecimalCommas()) return RefuseSeveral({run_, RowRun()});
     if (MayBeNumberedNames()) {
       const int64_t line = lines_[run_.first].number;
       return Fail(line, Quote(lines_[run_.first].text) +

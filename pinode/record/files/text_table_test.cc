@@ -49,6 +49,19 @@ TEST(TextTableTest, PlainFilesAreReadWithoutAssumptions) {
   EXPECT_THAT(table.columns, ElementsAre("t", "a"));
 }
 
+TEST(TextTableTest, LinesBetweenNamesAndRows) {
+  const Table table = ParseText(
+      "Zeit;a;b\ns;g;mg\nfloat;float;float\n0,5;1,5;2,5\n1,5;2,5;3,5\n",
+      WithTime("Zeit"));
+  EXPECT_THAT(table.columns, ElementsAre("Zeit", "a", "b"));
+  EXPECT_THAT(table.units, ElementsAre("s", "g", "mg"));
+  // LabVIEW.
+  EXPECT_THAT(ParseText("***End_of_Header***\t\t\nX_Value\tVoltage\tComment\n"
+                        "0.5\t1.5\n1.5\t2.5\n")
+                  .columns,
+              ElementsAre("X_Value", "Voltage"));
+}
+
 TEST(TextTableTest, NamesMayBeNumbers) {
   EXPECT_THAT(ParseText("t,1\n0,5\n1,6\n").columns, ElementsAre("t", "1"));
   EXPECT_THAT(ParseText("Logger;X;Y\n\nt;1;2\n0;5;6\n1;6;7\n").columns,
@@ -129,6 +142,12 @@ TEST(TextTableTest, KeysOverrideWhatIsFound) {
 TEST(TextTableTest, TextWithSeveralMeaningsIsRefused) {
   // One column with decimal commas, or two columns.
   EXPECT_THAT(ErrorOf("1,234\n2,345\n3,456\n"), HasSubstr("`decimal`"));
+  // Two numbers with decimal commas, or four.
+  EXPECT_THAT(ErrorOf("0,005,1,25\n0,010,1,50\n0,015,1,75\n"),
+              HasSubstr("`delimiter` and `decimal`"));
+  EXPECT_THAT(ErrorOf("1,5,2,5\n2,5,-3,5\n3,5,4,5\n"),
+              HasSubstr("`delimiter` and `decimal`"));
+  EXPECT_EQ(ParseText("1,5,2,5\n2,-5,-3,5\n3,5,4,5\n").values.cols(), 4);
   // Thousands, or decimals.
   EXPECT_THAT(ErrorOf("a;b\n1,234;5\n2,345;6\n"), HasSubstr("thousands"));
   EXPECT_EQ(ParseText("a;b\n1,234;5\n0,345;6\n").values(0, 0), 1.234);
