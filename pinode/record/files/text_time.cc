@@ -161,8 +161,6 @@ std::string UnitOfTimeName(const std::string& name) {
 void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
                    double* range) {
   *range = 0.0;
-  const double step = MedianStep(times);
-  if (step <= 0.0) return;
   std::vector<Eigen::Index> starts;
   double highest = times[0];
   for (Eigen::Index i = 1; i < times.size(); ++i) {
@@ -171,6 +169,8 @@ void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
     if (times[i] < times[i - 1]) starts.push_back(i);
   }
   if (starts.empty()) return;
+  const double step = MedianStep(times);
+  if (step <= 0.0) return;
   for (const double candidate : ranges) {
     if (candidate <= highest) continue;
     const bool fits =
@@ -233,10 +233,9 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
           ClockText(table->time_origin.seconds, true));
       return true;
     }
-    const double step = MedianStep(times);
     for (const auto& days : kDays) {
       if (times[0] < days[0] || times[0] > days[1] ||
-          step > kLargestStepOfDays) {
+          MedianStep(times) > kLargestStepOfDays) {
         continue;
       }
       *error = "column '" + name +
