@@ -272,7 +272,7 @@ bool AreEven(const std::vector<double>& seconds) {
   }
   if (steps.empty()) return true;
   std::sort(steps.begin(), steps.end());
-  // Of two steps the smaller one.
+  // The smaller one if there are two.
   return steps.back() <= kLargestEvenStep * steps[(steps.size() - 1) / 2];
 }
 

@@ -1,4 +1,4 @@
-// What a user says about the form of a text file.
+// Form of a text file, as far as a user gives it.
 
 #ifndef PINODE_RECORD_FILES_TEXT_FORMAT_H_
 #define PINODE_RECORD_FILES_TEXT_FORMAT_H_

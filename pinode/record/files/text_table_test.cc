@@ -239,7 +239,7 @@ TEST(TextTableTest, UnitsOfTheTime) {
               HasSubstr("`time_unit`"));
 }
 
-// What gen.py of the measured data has written.
+// A file that gen.py of the measured data has written.
 struct Logger {
   std::string file;
   std::string time;
