@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -10,9 +11,12 @@
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/modal/data_driven.h"
+#include "pinode/modal/decay_modes.h"
+#include "pinode/modal/harmonics.h"
 #include "pinode/modal/input_projection.h"
 #include "pinode/modal/mode_estimate.h"
 #include "pinode/modal/ring_down.h"
+#include "pinode/modal/stabilisation.h"
 #include "pinode/modal/windowed_correlations.h"
 #include "pinode/record/resample.h"
 
@@ -31,9 +35,9 @@ constexpr double kFewestDecayCycles = 5.0;
 // Samples below which a rate is not halved.
 constexpr Eigen::Index kFewestSamples = 3000;
 constexpr Eigen::Index kFewestDecaySamples = 600;
-// Samples at the beginning of a decay for which the filter of a lower rate
-// still uses earlier samples.
-constexpr Eigen::Index kFilterReach = 24;
+// Samples at either end of a decay for which the filter of a lower rate uses
+// samples outside of the record (resample.h).
+constexpr Eigen::Index kFilterReach = 35;
 // Most lags per window, and fewest windows.
 constexpr int kMostWindows = 120;
 constexpr int kFewestWindows = 20;
@@ -41,6 +45,12 @@ constexpr int kFewestWindows = 20;
 // channel.
 constexpr int kMostDecayRows = 300;
 constexpr double kLargestRest = 0.3;
+// Largest damping ratio of a vibration that is looked for in a decay, and the
+// largest uncertainty of the frequency of one that is listed.
+constexpr double kLargestDecayRatio = 0.95;
+constexpr double kLargestDecaySigma = 0.1;
+// Most samples of a rate at which all vibrations of a decay are fitted.
+constexpr Eigen::Index kMostJointSamples = 30000;
 // Largest uncertainty of the shape of a mode under a measured load. A measured
 // load separates close modes, so a pole whose shape is less certain is not a
 // mode.
@@ -105,7 +115,8 @@ class ModeFinder {
       const double nyquist = 0.5 / level.step;
       const bool is_last = IsLast(level);
       // Frequencies that a lower rate also covers are left to that rate.
-      if (is_last || highest_hz_ > kBandTop * 0.5 * nyquist) {
+      // A decay's vibrations above them have images at the lower rate.
+      if (is_last || is_decay() || highest_hz_ > kBandTop * 0.5 * nyquist) {
         level.lowest_hz =
             is_last ? lowest_hz_ : std::max(lowest_hz_, kBandBottom * nyquist);
         level.highest_hz = std::min(highest_hz_, top * nyquist);
@@ -114,8 +125,10 @@ class ModeFinder {
       if (is_last) break;
       level.samples = Halved(level.samples, level.step);
       if (method_ == ModalMethod::kRingDown) {
-        level.samples =
-            level.samples.rightCols(level.samples.cols() - kFilterReach).eval();
+        level.samples = level.samples
+                            .middleCols(kFilterReach,
+                                        level.samples.cols() - 2 * kFilterReach)
+                            .eval();
       }
       if (level.inputs.rows() > 0) {
         level.inputs = Halved(level.inputs, level.step);
@@ -123,6 +136,7 @@ class ModeFinder {
       level.step *= 2.0;
       top = kBandTop;
     }
+    FitDecays(lowest_hz_);
     Merge();
     RemarkOnPicks();
     RemarkOnChecks();
@@ -269,7 +283,9 @@ class ModeFinder {
     subspace.block_rows = band.block_rows;
     subspace.max_order = band.max_order;
     // For a decay all modes must be known, because they are fitted together.
-    if (!is_decay()) {
+    if (is_decay()) {
+      subspace.max_damping_ratio = kLargestDecayRatio;
+    } else {
       subspace.lowest_hz = band.lowest_hz;
       subspace.highest_hz = band.highest_hz;
     }
@@ -292,7 +308,11 @@ class ModeFinder {
       other.num_windows = 0;
       if (!identify(other, &checks)) return false;
     }
-    Keep(level, poles, checks, window_seconds, std::move(band));
+    if (is_decay()) {
+      KeepDecay(level, std::move(poles), std::move(band));
+    } else {
+      Keep(level, poles, checks, window_seconds, std::move(band));
+    }
     return true;
   }
 
@@ -323,20 +343,9 @@ class ModeFinder {
                       " block rows, expected " +
                       std::to_string(3 * band->block_rows) + " and more");
     }
-    decay_ = RingDownHankel(level.samples, band->block_rows, band->max_order);
-    *hankel = decay_.hankel;
+    *hankel =
+        RingDownHankel(level.samples, band->block_rows, band->max_order).hankel;
     band->num_windows = hankel->num_windows;
-    for (Eigen::Index c = 0; c < decay_.noise.size(); ++c) {
-      const double rest = decay_.noise[c] /
-                          std::sqrt(decay_.samples.row(c).squaredNorm() /
-                                    static_cast<double>(decay_.samples.cols()));
-      if (rest < kLargestRest || !result_->bands.empty()) continue;
-      result_->remarks.push_back(
-          "Channel '" + record_.channels[static_cast<size_t>(c)].name +
-          "': decaying vibrations leave " + FormatNumber(100.0 * rest, 2) +
-          " % of it. Does a load still act, or does the damping depend on the "
-          "amplitude?");
-    }
     return true;
   }
 
@@ -375,21 +384,33 @@ class ModeFinder {
     return true;
   }
 
+  static bool IsInside(const SubspacePole& pole, const AnalysedBand& band) {
+    return pole.frequency() >= band.lowest_hz &&
+           pole.frequency() <= band.highest_hz;
+  }
+
+  // Adds the poles inside of the band to it. Returns their places there, -1 for
+  // those outside.
+  static std::vector<int> AddPoles(const std::vector<SubspacePole>& poles,
+                                   double window_seconds, AnalysedBand* band) {
+    std::vector<int> places;
+    for (const SubspacePole& pole : poles) {
+      if (!IsInside(pole, *band)) {
+        places.push_back(-1);
+        continue;
+      }
+      places.push_back(static_cast<int>(band->poles.size()));
+      band->poles.push_back({pole.order, pole.frequency(),
+                             FindPoleSigmas(pole, window_seconds).frequency,
+                             pole.damping_ratio(), -1});
+    }
+    return places;
+  }
+
   void Keep(const Level& level, const std::vector<SubspacePole>& poles,
             const std::vector<SubspacePole>& checks, double window_seconds,
             AnalysedBand band) {
-    const auto is_inside = [&band](const SubspacePole& pole) {
-      return pole.frequency() >= band.lowest_hz &&
-             pole.frequency() <= band.highest_hz;
-    };
-    std::vector<int> places;  // in band.poles; what is not inside has none
-    for (const SubspacePole& pole : poles) {
-      places.push_back(static_cast<int>(band.poles.size()));
-      if (!is_inside(pole)) continue;
-      band.poles.push_back({pole.order, pole.frequency(),
-                            FindPoleSigmas(pole, window_seconds).frequency,
-                            pole.damping_ratio(), -1});
-    }
+    const std::vector<int> places = AddPoles(poles, window_seconds, &band);
     const int number = static_cast<int>(result_->bands.size());
     StabilisationOptions stabilisation = options_.stabilisation;
     if (method_ == ModalMethod::kInputOutput) {
@@ -398,67 +419,186 @@ class ModeFinder {
     }
     std::vector<PoleCluster> clusters =
         FindClusters(poles, band.max_order, window_seconds, stabilisation);
-    if (is_decay()) {
-      if (options_.stabilisation.pick.empty()) LeaveOutNoise(level, &clusters);
-      FitShapes(level, poles, band.max_order, &clusters);
-    }
-    for (const PoleCluster& cluster : clusters) {
-      if (!is_inside(cluster.mean)) continue;
-      std::vector<int> members;
+    for (PoleCluster& cluster : clusters) {
+      if (!IsInside(cluster.mean, band)) continue;
+      std::vector<std::pair<int, int>> members;
       for (const int member : cluster.members) {
-        if (is_inside(poles[static_cast<size_t>(member)])) {
-          members.push_back(places[static_cast<size_t>(member)]);
-        }
+        const int place = places[static_cast<size_t>(member)];
+        if (place >= 0) members.emplace_back(number, place);
+      }
+      const double sigma = cluster.frequency_sigma;
+      if (method_ != ModalMethod::kInputOutput) {
+        RespectAmbientBound(window_seconds, record_.duration(), &cluster);
       }
       IdentifiedMode mode = MakeMode(record_, level.scales, level.step, cluster,
                                      band.max_order, window_seconds);
+      MarkHarmonic(level, cluster.mean, &mode);
       if (!checks.empty()) {
         CheckMode(cluster, checks, band.max_order, options_.stabilisation,
                   &mode);
       }
-      found_.push_back({std::move(mode), number, std::move(members)});
+      found_.push_back({std::move(mode), number, std::move(members), sigma});
     }
     result_->bands.push_back(std::move(band));
   }
 
-  // Fits the shapes of the modes. Modes that were not picked decay too, so the
-  // fit includes them.
-  void FitShapes(const Level& level, const std::vector<SubspacePole>& poles,
-                 int max_order, std::vector<PoleCluster>* clusters) const {
-    const size_t count = clusters->size();
-    StabilisationOptions automatic = options_.stabilisation;
-    if (!automatic.pick.empty()) {
-      automatic.pick.clear();
-      std::vector<PoleCluster> others =
-          FindClusters(poles, max_order, 0.0, automatic);
-      LeaveOutNoise(level, &others);
-      for (PoleCluster& other : others) {
-        const bool picked = std::any_of(
-            clusters->begin(), clusters->begin() + static_cast<long>(count),
-            [&other](const PoleCluster& cluster) {
-              return std::find_first_of(
-                         cluster.members.begin(), cluster.members.end(),
-                         other.members.begin(),
-                         other.members.end()) != cluster.members.end();
-            });
-        if (!picked) clusters->push_back(std::move(other));
-      }
-    }
-    FitDecayShapes(decay_, level.step, clusters);
-    clusters->resize(count);
+  // Marks a mode whose damping may be zero and whose amplitude is constant.
+  void MarkHarmonic(const Level& level, const SubspacePole& pole,
+                    IdentifiedMode* mode) {
+    if (mode->damping_lower95 > 0.0) return;
+    const NarrowBand narrow =
+        FindNarrowBand(level.samples, level.step, pole.shape, pole.frequency());
+    mode->is_harmonic = IsSine(narrow);
+    if (!mode->is_harmonic) return;
+    result_->remarks.push_back(
+        "The vibration at " + FormatNumber(mode->frequency_hz, 5) +
+        " Hz is a harmonic, not a mode: its amplitude is constant, its "
+        "kurtosis "
+        "is " +
+        FormatNumber(narrow.kurtosis, 3) +
+        " (a sine has 1.5, random vibration 3), and its damping may be zero. "
+        "Set harmonics = true in [modes] to have it in modes.toml.");
   }
 
-  void LeaveOutNoise(const Level& level,
-                     std::vector<PoleCluster>* clusters) const {
-    std::vector<std::complex<double>> s;
-    for (const PoleCluster& cluster : *clusters) s.push_back(cluster.mean.s);
-    const std::vector<bool> significant =
-        FindSignificantDecays(decay_, s, level.step);
-    std::vector<PoleCluster> kept;
-    for (size_t i = 0; i < s.size(); ++i) {
-      if (significant[i]) kept.push_back(std::move((*clusters)[i]));
+  // A rate at which the vibrations of a decay are fitted.
+  struct DecayFitLevel {
+    Level level;
+    int band = 0;
+    std::vector<SubspacePole> poles;
+    std::vector<int> places;  // of the poles in the band
+    std::vector<DecayTerm> terms;
+    std::vector<std::complex<double>> candidates;  // from lower rates
+    std::vector<std::complex<double>> picked;
+  };
+
+  // Looks for the vibrations of a decay at one rate. They are fitted at the
+  // highest rate that has not too many samples. Higher rates have a fit of
+  // their own; lower ones provide candidates.
+  void KeepDecay(const Level& level, std::vector<SubspacePole> poles,
+                 AnalysedBand band) {
+    std::vector<int> places = AddPoles(poles, 0.0, &band);
+    const std::vector<DecayTerm> terms =
+        FindDecayTerms(level.samples, level.step, poles, terms_);
+    terms_ = TermsAtHalfRate(terms, level.step);
+    std::vector<std::complex<double>> picked;
+    if (!options_.stabilisation.pick.empty()) {
+      for (const PoleCluster& cluster :
+           FindClusters(poles, band.max_order, 0.0, options_.stabilisation)) {
+        if (IsInside(cluster.mean, band)) picked.push_back(cluster.mean.s);
+      }
     }
-    *clusters = std::move(kept);
+    const int number = static_cast<int>(result_->bands.size());
+    if (joint_ == nullptr) {
+      joint_ =
+          std::make_unique<DecayFitLevel>(DecayFitLevel{level,
+                                                        number,
+                                                        std::move(poles),
+                                                        std::move(places),
+                                                        terms,
+                                                        {},
+                                                        std::move(picked)});
+    } else {
+      for (const DecayTerm& term : terms) {
+        SubspacePole pole;
+        pole.s = term.s;
+        if (term.vibrates() && !term.is_alias && IsInside(pole, band)) {
+          joint_->candidates.push_back(term.s);
+        }
+      }
+      joint_->picked.insert(joint_->picked.end(), picked.begin(), picked.end());
+    }
+    result_->bands.push_back(std::move(band));
+    if (level.samples.cols() > kMostJointSamples) FitDecays(level.lowest_hz);
+  }
+
+  // Fits the vibrations, if there is a rate to be fitted.
+  void FitDecays(double lowest_hz) {
+    if (joint_ == nullptr) return;
+    const DecayFitLevel job = std::move(*joint_);
+    joint_.reset();
+    AnalysedBand band = result_->bands[static_cast<size_t>(job.band)];
+    band.lowest_hz = lowest_hz;
+    if (!options_.stabilisation.pick.empty() && job.picked.empty()) return;
+    DecayModes modes = EstimateDecays(job.level.samples, job.level.step,
+                                      job.terms, job.candidates, job.picked);
+    if (found_.empty()) RemarkOnRest(modes.rest);
+    for (PoleCluster& cluster : modes.clusters) {
+      if (!IsInside(cluster.mean, band)) continue;
+      if (options_.stabilisation.pick.empty() && !IsListed(cluster)) continue;
+      cluster.first_order = band.max_order;
+      FindDecayMembers(job.poles, options_.stabilisation, &cluster);
+      std::vector<std::pair<int, int>> members;
+      for (const int member : cluster.members) {
+        const int place = job.places[static_cast<size_t>(member)];
+        if (place >= 0) members.emplace_back(job.band, place);
+      }
+      IdentifiedMode mode =
+          MakeMode(record_, job.level.scales, job.level.step, cluster,
+                   band.max_order, /*window_seconds=*/0.0);
+      MarkHarmonic(job.level, cluster.mean, &mode);
+      if (mode.damping_ratio <= 0.0 && !mode.is_harmonic) continue;
+      AddMembersOfLowerRates(job.band, &mode, &members);
+      found_.push_back({std::move(mode), job.band, std::move(members),
+                        cluster.frequency_sigma});
+    }
+  }
+
+  // Adds the poles of lower rates near the mode. Counts orders at the rate that
+  // sees it most often.
+  void AddMembersOfLowerRates(int band, IdentifiedMode* mode,
+                              std::vector<std::pair<int, int>>* members) const {
+    const double tolerance = options_.stabilisation.frequency_tolerance;
+    for (int b = band + 1; b < static_cast<int>(result_->bands.size()); ++b) {
+      const AnalysedBand& other = result_->bands[static_cast<size_t>(b)];
+      std::map<int, int> by_order;
+      for (size_t i = 0; i < other.poles.size(); ++i) {
+        const DiagramPole& pole = other.poles[i];
+        if (std::abs(pole.frequency_hz / mode->frequency_hz - 1.0) <=
+                tolerance &&
+            std::abs(pole.damping_ratio - mode->damping_ratio) <=
+                tolerance + mode->damping_ratio) {
+          by_order.insert({pole.order, static_cast<int>(i)});
+        }
+      }
+      for (const auto& [order, place] : by_order) {
+        members->emplace_back(b, place);
+      }
+      const int seen = static_cast<int>(by_order.size());
+      if (seen <= mode->orders_seen) continue;
+      mode->orders_seen = seen;
+      mode->orders_possible =
+          (other.max_order - by_order.begin()->first) / 2 + 1;
+    }
+  }
+
+  // Returns true for modes within the limits. Names the others.
+  bool IsListed(const PoleCluster& cluster) {
+    const double hz = cluster.mean.frequency();
+    const double ratio = cluster.mean.damping_ratio();
+    if (ratio > options_.stabilisation.largest_damping_ratio) {
+      result_->remarks.push_back(
+          "A vibration at " + FormatNumber(hz, 4) + " Hz has a damping of " +
+          FormatNumber(100.0 * ratio, 3) + " +- " +
+          FormatNumber(100.0 * cluster.damping_sigma, 2) +
+          " %, more than max_damping_ratio = " +
+          FormatNumber(options_.stabilisation.largest_damping_ratio, 3) +
+          ", and is not listed. Increase max_damping_ratio in [modes] to list "
+          "it.");
+      return false;
+    }
+    return ratio + 2.0 * cluster.damping_sigma > 0.0 &&
+           cluster.frequency_sigma <= kLargestDecaySigma * hz;
+  }
+
+  void RemarkOnRest(const Vector& rest) {
+    for (Eigen::Index c = 0; c < rest.size(); ++c) {
+      if (rest[c] < kLargestRest) continue;
+      result_->remarks.push_back(
+          "Channel '" + record_.channels[static_cast<size_t>(c)].name +
+          "': decaying vibrations leave " + FormatNumber(100.0 * rest[c], 2) +
+          " % of it. Does a load still act, or does the damping depend on the "
+          "amplitude?");
+    }
   }
 
   // Keeps the more certain of two estimates if two rates found the same mode.
@@ -474,7 +614,7 @@ class ModeFinder {
           continue;
         }
         is_new = false;
-        if (next.mode.frequency_sigma < other.mode.frequency_sigma) {
+        if (next.sigma < other.sigma) {
           other = next;
         }
         break;
@@ -482,8 +622,8 @@ class ModeFinder {
       if (is_new) kept.push_back(std::move(next));
     }
     for (size_t i = 0; i < kept.size(); ++i) {
-      for (const int member : kept[i].members) {
-        result_->bands[static_cast<size_t>(kept[i].band)]
+      for (const auto& [band, member] : kept[i].members) {
+        result_->bands[static_cast<size_t>(band)]
             .poles[static_cast<size_t>(member)]
             .mode = static_cast<int>(i);
       }
@@ -494,7 +634,8 @@ class ModeFinder {
   struct Found {
     IdentifiedMode mode;
     int band = 0;
-    std::vector<int> members;
+    std::vector<std::pair<int, int>> members;  // bands, and poles there
+    double sigma = 0.0;  // of the frequency, before it respects a bound
   };
 
   const ResponseRecord& record_;
@@ -504,7 +645,10 @@ class ModeFinder {
   std::string option_;
   ModalMethod method_ = ModalMethod::kCovarianceDriven;
   WindowedCorrelations correlations_;  // of the rate that is looked at
-  RingDown decay_;                     // likewise
+  // Decays: terms of higher rates as they are at the next rate, and the rate at
+  // which vibrations are fitted.
+  std::vector<DecayTerm> terms_;
+  std::unique_ptr<DecayFitLevel> joint_;
   std::vector<int> references_;
   double lowest_hz_ = 0.0;
   double highest_hz_ = 0.0;

@@ -45,6 +45,9 @@ struct IdentifiedMode {
   // Mean phase collinearity of the shape: 1 if all points move in phase (J. N.
   // Juang, R. S. Pappa 1986).
   double phase_collinearity = 0.0;
+  // True for a harmonic of a machine: its damping interval holds zero, and it
+  // has the constant amplitude and the kurtosis of a sine.
+  bool is_harmonic = false;
   // Sampling step at which the mode was found.
   double sampling_step = 0.0;
   // Estimates of the data-driven identification, as a check of a

@@ -3,12 +3,9 @@
 #ifndef PINODE_MODAL_RING_DOWN_H_
 #define PINODE_MODAL_RING_DOWN_H_
 
-#include <complex>
 #include <functional>
-#include <vector>
 
 #include "pinode/base/types.h"
-#include "pinode/modal/stabilisation.h"
 #include "pinode/modal/subspace.h"
 
 namespace pinode {
@@ -44,21 +41,16 @@ RingDown RingDownHankel(const Matrix& samples, int block_rows, int order);
 
 constexpr int kNoiseSeries = 120;
 
-// Returns which of the decays exp(s k step) are needed to explain the samples.
-// The others are removed one by one, starting with the one that explains least.
-// The contribution of a decay of noise is chi-squared distributed. The record
-// offers as many decays of noise as it has frequencies.
-std::vector<bool> FindSignificantDecays(
-    const RingDown& ring_down, const std::vector<std::complex<double>>& s,
-    double step);
+// Returns the number of samples up to the last stretch with at least twice the
+// energy of the quietest one, at least `fewest`.
+Eigen::Index UsedSamples(const Matrix& samples, Eigen::Index fewest);
 
-// Fits the shapes of modes: least squares of their decays, together with a
-// constant, to the samples. All samples contribute. A shape from the first
-// block row of the observability matrix would only use a few samples with their
-// noise. Influences are those of the noise series, and of their effect on the
-// poles.
-void FitDecayShapes(const RingDown& ring_down, double step,
-                    std::vector<PoleCluster>* clusters);
+// Returns a generator of noise with the spectra, correlations and size of
+// `residuals` (channels x samples), as in RingDownHankel. fractions: expected
+// fraction of the noise that a fit has left at each frequency k / (samples
+// step), k = 0, 1, ..., samples / 2; the series have all of it. Empty: all.
+std::function<Matrix(int)> MakeNoiseSeries(const Matrix& residuals,
+                                           const Vector& fractions);
 
 }  // namespace pinode
 

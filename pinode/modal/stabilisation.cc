@@ -304,6 +304,34 @@ PoleMoments FindPoleMoments(const SubspacePole& pole, double window_seconds) {
   return moments;
 }
 
+void RespectAmbientBound(double window_seconds, double duration,
+                         PoleCluster* cluster) {
+  SubspacePole& mean = cluster->mean;
+  const double ratio = std::max(0.0, mean.damping_ratio());
+  const double bound =
+      std::sqrt(ratio / (kTwoPi * mean.frequency() * duration));
+  const PoleSigmas sigmas = FindPoleSigmas(mean, window_seconds);
+  const double relative = sigmas.frequency / mean.frequency();
+  if (!(relative > 0.0) || !(sigmas.damping > 0.0)) return;
+  const double by_frequency = std::max(1.0, bound / relative);
+  const double by_damping = std::max(1.0, bound / sigmas.damping);
+  // s = |s| (-zeta + i sqrt(1 - zeta^2)): scaled along |s| and along zeta.
+  const double size = std::abs(mean.s);
+  const Complex direction = mean.s / size;
+  const Complex across(-1.0,
+                       -ratio / std::sqrt(std::max(1e-6, 1.0 - ratio * ratio)));
+  for (Eigen::Index b = 0; b < mean.s_influence.size(); ++b) {
+    const Complex change = mean.s_influence[b];
+    const double growth = (std::conj(direction) * change).real();
+    const double damping =
+        -change.real() / size + mean.s.real() / (size * size) * growth;
+    mean.s_influence[b] = by_frequency * growth * direction +
+                          by_damping * damping * size * across;
+  }
+  cluster->frequency_sigma *= by_frequency;
+  cluster->damping_sigma *= by_damping;
+}
+
 SubspacePole NormalisedPole(const SubspacePole& pole, int reference) {
   SubspacePole result = pole;
   const Complex scale = pole.shape[reference];

@@ -61,6 +61,15 @@ std::vector<PoleCluster> FindClusters(const std::vector<SubspacePole>& poles,
                                       int max_order, double window_seconds,
                                       const StabilisationOptions& options);
 
+// Increases the influences on frequency and damping ratio to the smallest
+// standard deviations that a record of `duration` seconds under an unmeasured
+// random load allows: the fraction sqrt(zeta / (2 pi f T)) of the frequency,
+// and as much for the damping ratio (see StabilisationOptions). Smaller ones
+// come from the scatter of few windows, or from loads that are no stationary
+// noise.
+void RespectAmbientBound(double window_seconds, double duration,
+                         PoleCluster* cluster);
+
 // Returns the pole with its shape scaled to one at the channel `reference`.
 SubspacePole NormalisedPole(const SubspacePole& pole, int reference);
 

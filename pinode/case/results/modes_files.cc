@@ -162,6 +162,7 @@ std::string ModesAsJson(const ModesResult& result) {
                   {"orders_possible", mode.orders_possible},
                   {"frequency_spread", mode.frequency_spread},
                   {"damping_spread", mode.damping_spread}};
+    if (mode.is_harmonic) entry["harmonic"] = true;
     Json seen = Json::array();
     for (size_t s = 0; s < merged.in_setups.size(); ++s) {
       if (merged.in_setups[s] >= 0) seen.push_back(result.setups[s]);
@@ -190,6 +191,7 @@ std::string ModesAsToml(const ModesResult& result) {
   const auto number = [](double value) { return FormatNumber(value, 9); };
   for (size_t m = 0; m < result.merged.modes.size(); ++m) {
     const IdentifiedMode& mode = result.merged.modes[m].mode;
+    if (mode.is_harmonic && !result.keep_harmonics) continue;
     const RealShape shape = MakeReal(mode);
     text += "\n[[mode]]\nname = \"mode" + std::to_string(m + 1) + "\"\n";
     text += "frequency = " + number(mode.frequency_hz) + "\n";

@@ -16,6 +16,8 @@ struct ModesResult {
   std::vector<std::string> setups;  // names of the records
   MergedModes merged;
   std::vector<std::string> remarks;
+  // True: harmonics are written to modes.toml too.
+  bool keep_harmonics = false;
   // Geometry of the structure, and the modes' shapes at its nodes (see
   // MotionsOfNodes); empty: unknown.
   StructureGeometry geometry;
@@ -25,11 +27,11 @@ struct ModesResult {
 // Returns pinode-modes-1, see pinode/case/README.md.
 std::string ModesAsJson(const ModesResult& result);
 
-// Returns [[mode]] entries for a case: frequencies with sigmas, shapes (rotated
-// to be as real as possible) with the covariance of their entries and of these
-// with the frequency. The covariance comes from few windows and has many
-// entries. Correlations are shrunk by their share, so that it is positive
-// definite.
+// Returns [[mode]] entries for a case, without harmonics: frequencies with
+// sigmas, shapes (rotated to be as real as possible) with the covariance of
+// their entries and of these with the frequency. The covariance comes from few
+// windows and has many entries. Correlations are shrunk by their share, so that
+// it is positive definite.
 std::string ModesAsToml(const ModesResult& result);
 
 // Returns data set 55, complex modes in displacements. If shapes at the nodes

@@ -32,6 +32,7 @@ bool FindModes(const ModesCase& c, FoundModes* found, std::string* error) {
   *found = FoundModes();
   ModesResult& result = found->result;
   result.remarks = c.remarks;
+  result.keep_harmonics = c.keep_harmonics;
   std::vector<SetupModes> setups;
   std::string message;
   for (const ResponseRecord& record : c.records) {

@@ -1,6 +1,7 @@
 #include "pinode/case/sections/modes_section.h"
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <utility>
 
@@ -115,7 +116,7 @@ class ModesCaseReader {
     const TomlTable table = root_.Table("modes", "[modes]");
     if (!table.AllowKeys({"lowest_hz", "highest_hz", "block_rows", "max_order",
                           "references", "max_damping_ratio", "pick", "method",
-                          "threads"})) {
+                          "harmonics", "threads"})) {
       return false;
     }
     for (const TomlValue::Entry& entry : table.entries()) {
@@ -149,6 +150,7 @@ class ModesCaseReader {
         "max_damping_ratio", options.stabilisation.largest_damping_ratio);
     options.num_threads = table.Integer("threads", DefaultThreads(), 1);
     options.stabilisation.pick = table.Numbers("pick");
+    c_.keep_harmonics = table.Boolean("harmonics", false);
     return table.errors()->ok();
   }
 
@@ -303,6 +305,31 @@ class ModesCaseReader {
   const TomlTable root_;
 };
 
+// Returns true for "t", "time", and these with a unit behind them: "Time [s]".
+bool IsNameOfTime(const std::string& name) {
+  size_t end = 0;
+  std::string word;
+  while (end < name.size() &&
+         std::isalpha(static_cast<unsigned char>(name[end])) != 0) {
+    word += static_cast<char>(
+        std::tolower(static_cast<unsigned char>(name[end++])));
+  }
+  if (word != "t" && word != "time") return false;
+  return end == name.size() ||
+         std::string(" _([/").find(name[end]) != std::string::npos;
+}
+
+// Returns true if all steps are equal, up to rounding of the values.
+bool IsUniformRamp(const Vector& values) {
+  const Eigen::Index count = values.size();
+  if (count < 3 || !values.allFinite()) return false;
+  const double step =
+      (values[count - 1] - values[0]) / static_cast<double>(count - 1);
+  if (!(step > 0.0)) return false;
+  const Vector ramp = Vector::LinSpaced(count, values[0], values[count - 1]);
+  return (values - ramp).cwiseAbs().maxCoeff() < 0.6 * step;
+}
+
 // Converts a single data file to an equivalent case.
 class DataFileReader {
  public:
@@ -406,10 +433,14 @@ class DataFileReader {
     }
     Table table;
     if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
-    for (const std::string& name : table.columns) {
-      if (name != time_ && name != "t" && name != "time") {
-        columns_.push_back(name);
+    for (size_t i = 0; i < table.columns.size(); ++i) {
+      const std::string& name = table.columns[i];
+      if (name == time_) continue;
+      if (IsNameOfTime(name) &&
+          IsUniformRamp(table.values.col(static_cast<Eigen::Index>(i)))) {
+        continue;
       }
+      columns_.push_back(name);
     }
     return true;
   }

@@ -36,6 +36,7 @@ struct ModesCase {
   std::vector<std::string> remarks;
   ModeIdentificationOptions options;
   MergeOptions merge;
+  bool keep_harmonics = false;  // in modes.toml
   // Line numbers in the file: of the keys of [modes], and of each [[record]] by
   // name.
   std::map<std::string, int> option_lines;
