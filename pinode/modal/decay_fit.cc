@@ -19,7 +19,9 @@ constexpr double kFalseDecay = 1e-3;
 // Smallest noise of a channel relative to its root mean square: rounding of
 // samples and of exp(s t).
 constexpr double kRounding = 3e-13;
-// Smallest MAC of shapes of one mode.
+// Largest difference in frequency, in decay rates of the faster of two, and
+// smallest MAC of shapes of one mode.
+constexpr double kSameFrequency = 0.5;
 constexpr double kSameShape = 0.9;
 // Candidates that are refined in each step, and at most if those are refused.
 constexpr size_t kTried = 2;
@@ -226,7 +228,7 @@ bool IsOneMode(const DecayFit& fit, size_t a, size_t b) {
   const Complex first = fit.terms[a].s;
   const Complex second = fit.terms[b].s;
   const double apart = std::abs(first.imag() - second.imag());
-  return apart < std::max(-first.real(), -second.real()) &&
+  return apart < kSameFrequency * std::max(-first.real(), -second.real()) &&
          ComplexMac(fit.Shape(a), fit.Shape(b)) > kSameShape;
 }
 

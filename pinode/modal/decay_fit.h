@@ -11,7 +11,7 @@
 namespace pinode {
 
 // Returns true if two vibrations of a fit are one mode: they differ in
-// frequency by less than they decay, and their shapes agree.
+// frequency by less than half the faster's decay rate, and their shapes agree.
 bool IsOneMode(const DecayFit& fit, size_t a, size_t b);
 
 // Finds the terms that the samples need. Starts from `start` and adds, one at a
