@@ -28,7 +28,9 @@ class Parameter(NamedTuple):
     """A named parameter: in the model's units, with its 95 % interval.
 
     sigma is infinite, and the interval without ends, where the data do not say;
-    both are NaN or infinite of fixed ones.
+    both are NaN or infinite of fixed ones. Where the model lacks something (grade
+    "with_care"), the interval reaches as far as other explanations do, and
+    half_width95 is that of the interval that presumes that it lacks nothing.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Parameter(NamedTuple):
     sigma: float
     lower95: float
     upper95: float
+    half_width95: float
     free: bool
     at_bound: bool
 
