@@ -82,7 +82,8 @@ struct IdentificationOptions {
   // networks from other seeds. 0: 8 where a linear structure is not given a
   // start and has at least twice as many stiffness groups as a record has
   // sensors, for then other stiffnesses may do as well or better (F. E.
-  // Udwadia, D. K. Sharma, SIAM J. Appl. Math. 34 (1978) 104-118); else 1.
+  // Udwadia, D. K. Sharma, SIAM J. Appl. Math. 34 (1978) 104-118); 16 for
+  // frequencies without shapes; else 1.
   int num_starts = 0;
   uint64_t seed = 1;
 

@@ -56,6 +56,11 @@ constexpr double kFrequencyGrowth = 2.0;
 // Largest error of a frequency of any updated model. Sensors in another order
 // ended at 0.16 and 0.20, one upside down at 0.12.
 constexpr double kFrequencyError = 0.1;
+// Largest root mean square error of frequencies that were fitted alone, in
+// their standard deviations, if the worst is also off by more than
+// kFrequencyMet. A free plate whose start was off by a factor of two ended at
+// 30 in a wrong valley, with an interval that excluded the truth.
+constexpr double kFrequencyDeviations = 10.0;
 // Largest common factor between the measured frequencies and the initial
 // model's. A model is not nine times too soft; radians per second in place of
 // cycles give 6.3, wrong units of mass or length the root of their factor.

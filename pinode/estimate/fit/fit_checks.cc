@@ -343,6 +343,23 @@ void CheckModalCost(const FitSummary& fit, Findings* findings) {
        fit.final_modal_cost, fit.initial_modal_cost});
 }
 
+// Frequencies of a symmetric structure always allow its mirror image.
+bool IsOfFrequenciesAlone(const FitSummary& fit) {
+  return !HasTrainRecord(fit) && fit.ambient.empty() && !fit.modes.empty() &&
+         std::none_of(fit.modes.begin(), fit.modes.end(),
+                      [](const ModeScore& mode) {
+                        return std::isfinite(mode.updated.mac);
+                      });
+}
+
+Finding OtherSolution(const FitSummary& fit) {
+  return {"other_solution",
+          "another solution describes what was measured nearly as well: " +
+              fit.other_solution,
+          kNaN, kNaN,
+          "more sensors, bounds or priors have to tell which it is"};
+}
+
 void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
                       Findings* findings) {
   if (fit.largest_gap > gaps.closed) {
@@ -351,13 +368,8 @@ void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
                               fit.largest_gap, " of the state's RMS)"),
                          fit.largest_gap, gaps.closed});
   }
-  if (!fit.other_solution.empty()) {
-    findings->push_back(
-        {"other_solution",
-         "another solution describes what was measured nearly as well: " +
-             fit.other_solution,
-         kNaN, kNaN,
-         "more sensors, bounds or priors have to tell which it is"});
+  if (!fit.other_solution.empty() && !IsOfFrequenciesAlone(fit)) {
+    findings->push_back(OtherSolution(fit));
   }
   if (fit.stalled) {
     findings->push_back(
@@ -430,8 +442,40 @@ std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit) {
   return findings;
 }
 
+std::vector<Finding> CheckMeasuredFrequencies(
+    const IdentificationProblem& problem, const FitSummary& fit) {
+  if (problem.num_train_records() > 0 || !problem.ambient.empty()) return {};
+  double sum = 0.0;
+  double worst = 0.0;
+  int count = 0;
+  for (size_t i = 0; i < fit.modes.size(); ++i) {
+    const MeasuredMode& measured = problem.modal.modes[i];
+    if (!fit.modes[i].InUse() || !(measured.frequency_sigma > 0.0)) continue;
+    const double error = fit.modes[i].updated.frequency - measured.frequency;
+    sum += std::pow(error / measured.frequency_sigma, 2);
+    worst = std::max(worst, std::abs(error) / measured.frequency);
+    ++count;
+  }
+  const double ratio = count > 0 ? std::sqrt(sum / count) : 0.0;
+  if (!(ratio > limits::kFrequencyDeviations) ||
+      !(worst > limits::kFrequencyMet)) {
+    return {};
+  }
+  return {{"frequencies_far_off",
+           "measured frequencies are off by " + FormatNumber(ratio, 3) +
+               " times their standard deviations, the worst by " +
+               PercentText(worst),
+           ratio, limits::kFrequencyDeviations,
+           "begin nearer to the structure, set 'multistart', or check modes, "
+           "groups and standard deviations"}};
+}
+
 std::vector<Finding> CheckDoubts(const FitSummary& fit) {
   Findings findings;
+  if (!fit.other_solution.empty() && IsOfFrequenciesAlone(fit)) {
+    findings.push_back(OtherSolution(fit));
+    findings.back().grade = Grade::kWithCare;
+  }
   for (const RecordScore& score : fit.records) {
     if (!IsTraining(score)) continue;
     const double unexplained = StructuredError(score);

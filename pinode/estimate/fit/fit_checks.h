@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identification_problem.h"
 #include "pinode/problem/tuning.h"
 #include "pinode/problem/verdict.h"
 
@@ -29,8 +30,15 @@ namespace pinode {
 // interrupted has that finding alone.
 std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit);
 
+// Returns a finding if the frequencies of a fit to modes alone are many times
+// their standard deviations off, and by a size that matters: a start in the
+// wrong valley, or a model that cannot have these modes.
+std::vector<Finding> CheckMeasuredFrequencies(
+    const IdentificationProblem& problem, const FitSummary& fit);
+
 // Returns what is doubtful about a sound fit: training records with more than a
-// little unexplained motion. Such a fit is usable with care.
+// little unexplained motion; another solution for frequencies alone. Such a fit
+// is usable with care.
 std::vector<Finding> CheckDoubts(const FitSummary& fit);
 
 // Returns the first finding of CheckFit as a sentence; empty: the fit is sound.

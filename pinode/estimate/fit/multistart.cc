@@ -82,12 +82,25 @@ Eigen::Index MostChannels(const IdentificationProblem& problem) {
   return most;
 }
 
+// Frequencies without shapes have many minima, in which they are exchanged.
+bool IsOfFrequenciesAlone(const IdentificationProblem& problem) {
+  const std::vector<MeasuredMode>& modes = problem.modal.modes;
+  return problem.num_train_records() == 0 && problem.ambient.empty() &&
+         !modes.empty() &&
+         std::none_of(modes.begin(), modes.end(),
+                      [](const MeasuredMode& mode) { return mode.HasShape(); });
+}
+
 // See IdentificationOptions::num_starts.
 int NumStarts(const IdentificationProblem& problem,
               const IdentificationOptions& options,
               const IdentifiedModel* initial, size_t num_groups) {
   constexpr int kStarts = 8;
+  constexpr int kStartsOfFrequencies = 16;
   if (options.num_starts > 0) return options.num_starts;
+  if (initial == nullptr && IsOfFrequenciesAlone(problem)) {
+    return kStartsOfFrequencies;
+  }
   if (initial != nullptr || !problem.dynamics->IsLinear() ||
       problem.num_train_records() == 0 || !problem.ambient.empty() ||
       !problem.modal.modes.empty()) {

@@ -160,6 +160,7 @@ class MainJob {
     const auto add = [&findings](std::vector<Finding> more) {
       std::move(more.begin(), more.end(), std::back_inserter(findings));
     };
+    if (findings.empty()) add(CheckMeasuredFrequencies(problem_, fit_));
     const bool sound = findings.empty();
     add(std::move(of_steps));
     Explained explained;
