@@ -103,6 +103,11 @@ void PrintChange(const DamageResult& result) {
   std::printf("%s\n\nChange since the baseline\n%s\n",
               result.judgement.sentence.c_str(),
               MakeChangeTable(result).ToText().c_str());
+  const TextTable explanations = MakeChangeExplanationTable(result);
+  if (!explanations.empty()) {
+    std::printf("Explanations that these records do not tell apart\n%s\n",
+                explanations.ToText().c_str());
+  }
   for (const std::string& remark : result.remarks) {
     std::printf("%s\n", remark.c_str());
   }

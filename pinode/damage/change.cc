@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/covariance.h"
@@ -413,6 +414,27 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
   estimate->unexplained_chi2 = rest.dot(information * rest);
   estimate->unexplained_degrees =
       static_cast<int>(size) - static_cast<int>(found.size());
+  return true;
+}
+
+bool PoolBaselines(const std::vector<GroupState>& healthy,
+                   PooledBaselines* pooled, std::string* error) {
+  if (healthy.empty()) {
+    *error = "there is no baseline";
+    return false;
+  }
+  for (size_t i = 0; i < healthy.size(); ++i) {
+    if (!IsGroupState(healthy[i], healthy[0].values.size(),
+                      "baseline " + std::to_string(i + 1), error)) {
+      return false;
+    }
+  }
+  Pool pool = PoolHealthy(healthy);
+  pooled->state.values = std::move(pool.values);
+  pooled->state.covariance = std::move(pool.covariance);
+  pooled->state.covariance.diagonal() += pool.between;
+  pooled->between = std::move(pool.between);
+  pooled->num_baselines = static_cast<int>(healthy.size());
   return true;
 }
 

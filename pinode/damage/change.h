@@ -64,6 +64,17 @@ struct RivalChange {
   double loss = 0.0;  // in twice the log-likelihood
 };
 
+// Set of changes that explains the new records alone, everything else as in
+// the baselines, and was fitted to them.
+struct ChangeExplanation {
+  std::vector<int> changed;
+  std::vector<GroupChange> changes;  // of `changed`
+  // Logarithm of the odds against the likeliest explanation, 0 or less.
+  double log_odds = 0.0;
+  // Probability among all sets that were fitted, a priori equal.
+  double probability = 0.0;
+};
+
 struct ChangeEstimate {
   std::vector<GroupChange> groups;
   std::vector<RivalChange> rivals;  // least loss first
@@ -77,6 +88,23 @@ struct ChangeEstimate {
   // groups left.
   double unexplained_chi2 = 0.0;
   int unexplained_degrees = 0;
+  // Explanations with at least a twentieth of the odds of the likeliest, which
+  // comes first and has the values of `groups`. Empty: none was fitted.
+  std::vector<ChangeExplanation> explanations;
+};
+
+// What baselines say of a new record if nothing has changed.
+struct PooledBaselines {
+  // Expected values and their covariance, with the differences between records.
+  GroupState state;
+  // Variance of each value between records beyond its own covariance.
+  Vector between;
+  int num_baselines = 0;
+  // Cost of the baselines' data at the expected values, and half the logarithm
+  // of the determinant of the covariance. Zero if these are the same for all
+  // explanations.
+  double cost = 0.0;
+  double log_volume = 0.0;
 };
 
 // Marks entries that are so small in one of the baselines (1 + alpha not above
@@ -108,6 +136,11 @@ std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy);
                                   const GroupState& current,
                                   const ChangeOptions& options,
                                   ChangeEstimate* estimate, std::string* error);
+
+// Pools the baselines as EstimateChange does. Returns false, with *error, if
+// sizes differ or a covariance is not positive definite.
+[[nodiscard]] bool PoolBaselines(const std::vector<GroupState>& healthy,
+                                 PooledBaselines* pooled, std::string* error);
 
 // Finds other explanations of the changes of the groups `found`, whichever
 // method found them: exchanges of one of them for one of the others, least loss

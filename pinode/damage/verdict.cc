@@ -39,15 +39,16 @@ constexpr double kMostOfGroups = 0.7;
 constexpr double kMostOfForce = 2.5;
 
 // Joins the first few texts, each once: several terms may describe one place.
-std::string Join(const std::vector<std::string>& texts) {
+// `all`: every text, as often as it comes.
+std::string Join(const std::vector<std::string>& texts, bool all = false) {
   std::vector<std::string> different;
   for (const std::string& text : texts) {
-    if (std::find(different.begin(), different.end(), text) ==
-        different.end()) {
+    if (all || std::find(different.begin(), different.end(), text) ==
+                   different.end()) {
       different.push_back(text);
     }
   }
-  if (different.size() > kMostNames + 1) {
+  if (!all && different.size() > kMostNames + 1) {
     const size_t more = different.size() - kMostNames;
     different.resize(kMostNames);
     different.push_back(std::to_string(more) + " more");
@@ -162,7 +163,11 @@ struct Findings {
   bool has_large_loss = false;  // among `damaged`
   // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
-  std::string missed;  // empty: nothing is
+  // Losses of stiffness that explain the records in place of `damaged`, and
+  // explanations by other changes of the same kind.
+  std::vector<std::string> or_damaged, or_else;
+  std::string probabilities;  // of `damaged` and `or_damaged`
+  std::string missed;         // empty: nothing is
 };
 
 // Adds rivals: a change with a rival of another kind does not count.
@@ -176,12 +181,59 @@ void AddRivals(const std::vector<ChangeSubject>& subjects,
     const std::string text =
         Describe(subjects[other]) + " for " + Describe(subjects[found]);
     if (subjects[found].kind == subjects[other].kind) {
-      findings->instead.push_back(text);
+      if (estimate.explanations.empty()) findings->instead.push_back(text);
       continue;
     }
     if (HasChanged((*reasons)[found])) (*reasons)[found] = Reason::kAmbiguous;
     findings->ambiguous.push_back(text);
   }
+}
+
+// True if a subject is part of an explanation, so that its table says more.
+bool IsExplanation(const ChangeEstimate& estimate, size_t subject) {
+  for (const ChangeExplanation& explanation : estimate.explanations) {
+    for (const int j : explanation.changed) {
+      if (static_cast<size_t>(j) == subject) return true;
+    }
+  }
+  return false;
+}
+
+// Adds explanations that were fitted in place of the first, if all changes of
+// both are of one kind.
+void AddExplanations(const std::vector<ChangeSubject>& subjects,
+                     const ChangeEstimate& estimate, Findings* findings) {
+  const auto percent = [](double probability) {
+    return FormatNumber(std::round(100.0 * probability), 3) + " %";
+  };
+  std::vector<std::string> probabilities;
+  for (const ChangeExplanation& explanation : estimate.explanations) {
+    bool same_kind = true;
+    bool losses = true;
+    std::vector<std::string> texts;
+    for (size_t k = 0; k < explanation.changed.size(); ++k) {
+      const ChangeSubject& subject =
+          subjects[static_cast<size_t>(explanation.changed[k])];
+      const ChangeSubject& first =
+          subjects[static_cast<size_t>(estimate.explanations[0].changed[0])];
+      same_kind = same_kind && subject.kind == first.kind;
+      losses = losses && subject.kind == ChangeKind::kStiffness &&
+               explanation.changes[k].change < 0.0;
+      texts.push_back(Describe(subject, explanation.changes[k]));
+    }
+    const bool is_first = &explanation == &estimate.explanations[0];
+    if (is_first || (same_kind && losses)) {
+      probabilities.push_back(percent(explanation.probability));
+    }
+    if (is_first || !same_kind) continue;
+    if (losses) {
+      findings->or_damaged.push_back(Join(texts));
+    } else {
+      findings->or_else.push_back(Join(texts) + " with probability " +
+                                  percent(explanation.probability));
+    }
+  }
+  findings->probabilities = Join(probabilities, /*all=*/true);
 }
 
 // Adds a subject that counts as changed.
@@ -238,7 +290,9 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
         findings->formal.push_back(Describe(subjects[j], change));
         break;
       case Reason::kUndetermined:
-        findings->unknown.push_back(subjects[j].name);
+        if (!IsExplanation(estimate, j)) {
+          findings->unknown.push_back(subjects[j].name);
+        }
         break;
       case Reason::kAmbiguous:
         findings->unsure.push_back(Describe(subjects[j], change));
@@ -259,8 +313,12 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
 void Decide(const Findings& findings, const ChangeOptions& options,
             Judgement* judgement) {
   const std::string threshold = Percent(options.threshold);
+  std::string damaged = Join(findings.damaged);
+  for (const std::string& other : findings.or_damaged) {
+    damaged += " or " + other;
+  }
   const std::string lost =
-      Join(findings.damaged) + " lost stiffness" +
+      damaged + " lost stiffness" +
       (findings.has_large_loss ? "."
                                : ", less than the threshold of " + threshold +
                                      " but more than healthy records differ.");
@@ -278,6 +336,11 @@ void Decide(const Findings& findings, const ChangeOptions& options,
   } else if (!findings.damaged.empty()) {
     judgement->verdict = DamageVerdict::kDamage;
     judgement->sentence = "Damage: " + lost;
+    if (!findings.or_damaged.empty()) {
+      judgement->sentence +=
+          " These records do not show which: their probabilities are " +
+          findings.probabilities + ".";
+    }
   } else if (!findings.other.empty()) {
     judgement->verdict = DamageVerdict::kOtherChange;
     judgement->sentence = "No loss of stiffness, but " + Join(findings.other) +
@@ -328,6 +391,9 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
     if (!findings.ambiguous.empty()) {
       sentence +=
           " Nearly as good an explanation: " + Join(findings.ambiguous) + ".";
+    }
+    if (!findings.or_else.empty()) {
+      sentence += " Or instead: " + Join(findings.or_else) + ".";
     }
     if (!findings.instead.empty()) {
       sentence +=
@@ -409,6 +475,7 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                                       judgement.reasons.end(), HasChanged);
   Findings findings;
   AddRivals(subjects, estimate, &judgement.reasons, &findings);
+  AddExplanations(subjects, estimate, &findings);
   AddChanges(subjects, estimate, options, judgement.reasons, &findings);
   if (is_unexplained) {
     findings.missed = DescribeMissed(missed, Join(findings.unexplained));

@@ -194,6 +194,32 @@ TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
   EXPECT_THAT(Judge().sentence, HasSubstr("told apart by these data: k2 for"));
 }
 
+TEST_F(JudgeKinds, ExplanationsThatWereFittedStandBesideEachOther) {
+  subjects_[1] = {"k2", ChangeKind::kStiffness, "", "", 0.0};
+  estimate_.groups[0] = Change(-0.3, 0.01, true);
+  estimate_.groups[1] = Change(-0.1, 0.1, false);
+  const auto explanation = [](int subject, double change, double probability) {
+    ChangeExplanation result;
+    result.changed = {subject};
+    result.changes = {Change(change, 0.01, true)};
+    result.probability = probability;
+    return result;
+  };
+  estimate_.explanations = {explanation(0, -0.3, 0.6),
+                            explanation(1, -0.25, 0.4)};
+  estimate_.rivals = {{0, 1, 0.8}};
+  const Judgement judgement = Judge();
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kDamage);
+  EXPECT_EQ(judgement.sentence,
+            "Damage: k1 (-30 %) or k2 (-25 %) lost stiffness. These records do "
+            "not show which: their probabilities are 60 % and 40 %.");
+  // A gain of stiffness is no loss.
+  estimate_.explanations[1].changes[0].change = 0.25;
+  EXPECT_EQ(Judge().sentence,
+            "Damage: k1 (-30 %) lost stiffness. Or instead: k2 (+25 %) with "
+            "probability 40 %.");
+}
+
 TEST_F(JudgeKinds, ASmallNonlinearForceMakesNoStructureNonlinear) {
   estimate_.has_between_records = true;
   subjects_.push_back(

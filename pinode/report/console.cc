@@ -94,6 +94,28 @@ TextTable MakeChangeTable(const DamageResult& damage) {
   return table;
 }
 
+TextTable MakeChangeExplanationTable(const DamageResult& damage) {
+  TextTable table({{"explanation", Align::kLeft},
+                   {"probability %", Align::kDecimal},
+                   {"change of", Align::kLeft},
+                   {"%", Align::kDecimal},
+                   {"95 % interval", Align::kDecimal}});
+  const std::vector<ChangeExplanation>& all = damage.estimate.explanations;
+  if (all.size() < 2) return table;
+  for (size_t i = 0; i < all.size(); ++i) {
+    for (size_t k = 0; k < all[i].changed.size(); ++k) {
+      const GroupChange& change = all[i].changes[k];
+      table.AddRow(
+          {k == 0 ? std::to_string(i + 1) : "",
+           k == 0 ? Percent(all[i].probability) : "",
+           damage.subjects[static_cast<size_t>(all[i].changed[k])].name,
+           Hundredths(change.change),
+           Hundredths(change.lower95) + " to " + Hundredths(change.upper95)});
+    }
+  }
+  return table;
+}
+
 TextTable MakeParameterTable(const ReportInput& input) {
   TextTable table({{"parameter", Align::kLeft},
                    {"initial", Align::kDecimal},

@@ -12,6 +12,9 @@ namespace pinode {
 
 // Returns the changes since the baselines.
 TextTable MakeChangeTable(const DamageResult& damage);
+// Changes of each explanation that was fitted, with its probability. Empty if
+// there is only one.
+TextTable MakeChangeExplanationTable(const DamageResult& damage);
 
 // Returns the named parameters: initial and identified value, half width of the
 // 95 % interval (its ends, where it is not centred on the value), unit, and

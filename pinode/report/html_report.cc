@@ -180,6 +180,8 @@ class PageMaker {
       strong.push_back(damage.estimate.groups[j].changed);
     }
     data.set("changes", TableData(MakeChangeTable(damage), strong));
+    const TextTable explanations = MakeChangeExplanationTable(damage);
+    SetIf("explained", !explanations.empty(), TableData(explanations), &data);
     SetIf("change_figure", figures_.changes >= 0,
           figures_.changes >= 0 ? FigureData(figures_.changes) : Data(), &data);
     std::string text = "Compared with " + Join(damage.baselines, ", ") + ". ";

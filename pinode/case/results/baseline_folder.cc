@@ -321,7 +321,9 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;
-  if (!c.damage.masses.empty() || !c.damage.springs.empty()) {
+  const bool modes_alone =
+      c.problem.num_train_records() == 0 && c.problem.ambient.empty();
+  if (!c.damage.masses.empty() || !c.damage.springs.empty() || modes_alone) {
     ReadFit(path("model.toml"), &read);
   }
   *baseline = std::move(read);

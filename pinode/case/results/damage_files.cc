@@ -71,6 +71,28 @@ Json NonlinearityAsJson(const DamageResult& result) {
   return json;
 }
 
+Json ExplanationsAsJson(const DamageResult& result) {
+  Json all = Json::array();
+  for (const ChangeExplanation& explanation : result.estimate.explanations) {
+    Json changes = Json::array();
+    for (size_t k = 0; k < explanation.changed.size(); ++k) {
+      const ChangeSubject& subject =
+          result.subjects[static_cast<size_t>(explanation.changed[k])];
+      const GroupChange& change = explanation.changes[k];
+      changes.push_back({{"name", subject.name},
+                         {"target", ChangeKindName(subject.kind)},
+                         {"change", change.change},
+                         {"lower95", change.lower95},
+                         {"upper95", change.upper95},
+                         {"p_value", change.p_value}});
+    }
+    all.push_back({{"probability", explanation.probability},
+                   {"log_odds", explanation.log_odds},
+                   {"changes", std::move(changes)}});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string DamageAsJson(const DamageResult& result) {
@@ -120,6 +142,7 @@ std::string DamageAsJson(const DamageResult& result) {
          {"other", result.subjects[static_cast<size_t>(rival.other)].name},
          {"loss", rival.loss}});
   }
+  json["explanations"] = ExplanationsAsJson(result);
   json["looked_for"] = result.places;
   json["remarks"] = result.remarks;
   json["unexplained"] = {

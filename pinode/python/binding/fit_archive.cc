@@ -164,9 +164,16 @@ void VisitOne(Archive* a, RivalChange& value) {
 }
 
 template <typename Archive>
+void VisitOne(Archive* a, ChangeExplanation& value) {
+  auto& [changed, changes, log_odds, probability] = value;
+  Visit(a, changed, changes, log_odds, probability);
+}
+
+template <typename Archive>
 void VisitOne(Archive* a, ChangeEstimate& value) {
-  auto& [groups, rivals, between, has_between, chi2, degrees] = value;
-  Visit(a, groups, rivals, between, has_between, chi2, degrees);
+  auto& [groups, rivals, between, has_between, chi2, degrees, explanations] =
+      value;
+  Visit(a, groups, rivals, between, has_between, chi2, degrees, explanations);
 }
 
 template <typename Archive>

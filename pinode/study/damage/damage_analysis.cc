@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/study/damage/baseline_of_modes.h"
+#include "pinode/study/damage/change_explanations.h"
+#include "pinode/study/damage/change_refit.h"
 #include "pinode/study/damage/held_followers.h"
 #include "pinode/study/damage/wide_state.h"
 #include "pinode/study/identify/identify.h"
@@ -82,6 +86,7 @@ class Analyst {
     SayWhatIsOpen(kNewRecords, summary.undetermined);
     result_.options = options_;
     fit_of_new_ = {kNewRecords, problem_, summary, model};
+    fit_of_groups_ = fit_of_new_;
     missed_by_groups_ = MissedOf(summary, kLeastMissed);
     candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
     for (const ChangeCandidate& candidate : candidates_) {
@@ -115,7 +120,11 @@ class Analyst {
     ChangeOptions options = options_;
     options.false_alarm_rate = rate;
     options.absolute.assign(groups_.size(), false);
-    options.absolute.resize(groups_.size() + candidates.size(), true);
+    for (const ChangeCandidate& candidate : candidates) {
+      // A change of damping is a fraction of the baseline's.
+      options.absolute.push_back(candidate.subject.kind !=
+                                 ChangeKind::kDamping);
+    }
     return options;
   }
 
@@ -293,6 +302,20 @@ class Analyst {
     return true;
   }
 
+  // States of the baselines: groups, then candidates.
+  bool StatesOfBaselines(const Candidates& candidates,
+                         std::vector<GroupState>* states, std::string* error) {
+    if (!candidates.empty()) return HealthyStates(candidates, states, error);
+    if (!FindSlopes({}, error)) return false;
+    states->clear();
+    for (const Baseline& baseline : baselines_) {
+      states->push_back(held_.empty() ? baseline.groups
+                                      : held_.Compared(held_.StateOf(baseline),
+                                                       groups_.size()));
+    }
+    return true;
+  }
+
   bool Conclude(bool kinds, std::string* error) {
     if (!verdict_.usable()) {
       *error =
@@ -318,17 +341,7 @@ class Analyst {
       result_.subjects.push_back(candidate.subject);
     }
     std::vector<GroupState> healthy;
-    if (!found_.empty()) {
-      if (!HealthyStates(found_, &healthy, error)) return false;
-    } else {
-      if (!FindSlopes({}, error)) return false;
-      for (const Baseline& baseline : baselines_) {
-        healthy.push_back(
-            held_.empty()
-                ? baseline.groups
-                : held_.Compared(held_.StateOf(baseline), groups_.size()));
-      }
-    }
+    if (!StatesOfBaselines(found_, &healthy, error)) return false;
     GroupState current;
     if (!GroupsOf(*fit_of_new_.problem.dynamics, fit_of_new_.summary, names,
                   &current, error)) {
@@ -340,13 +353,15 @@ class Analyst {
                                options_.false_alarm_rate);
     // The change of what is nearly gone is one of the group's nominal value.
     const std::vector<bool> gone = NearlyGone(healthy);
-    for (size_t j = 0; j < groups_.size(); ++j) {
+    for (size_t j = 0; j < gone.size(); ++j) {
       if (gone[j]) options.absolute[j] = true;
     }
     if (!EstimateChange(healthy, current, options, &result_.estimate, error)) {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;
+    if (!ExplainChange(options, error)) return false;
+    SayWhatDiffers(healthy, current);
     const MissedMotion missed = Missed();
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_, missed);
@@ -393,24 +408,151 @@ class Analyst {
     return missed;
   }
 
-  // Those among all candidates; a candidate that is one becomes a subject.
-  bool AddRivals(std::string* error) {
-    const auto wide_index = [this](size_t subject) {
-      if (subject < groups_.size()) return static_cast<int>(subject);
-      for (size_t j = 0; j < candidates_.size(); ++j) {
-        if (candidates_[j].subject.name == result_.subjects[subject].name) {
-          return static_cast<int>(groups_.size() + j);
+  // The subject of an entry: of groups, then of all candidates. A candidate
+  // that was not one becomes one.
+  int SubjectOf(int entry) {
+    if (entry < static_cast<int>(groups_.size())) return entry;
+    const ChangeSubject& subject =
+        candidates_[static_cast<size_t>(entry) - groups_.size()].subject;
+    for (size_t j = groups_.size(); j < result_.subjects.size(); ++j) {
+      if (result_.subjects[j].name == subject.name) return static_cast<int>(j);
+    }
+    result_.subjects.push_back(subject);
+    result_.estimate.groups.emplace_back();
+    Vector& between = result_.estimate.between_records;
+    between.conservativeResize(between.size() + 1);
+    between.tail(1).setZero();
+    return static_cast<int>(result_.subjects.size()) - 1;
+  }
+  int EntryOf(size_t subject) const {
+    if (subject < groups_.size()) return static_cast<int>(subject);
+    for (size_t j = 0; j < candidates_.size(); ++j) {
+      if (candidates_[j].subject.name == result_.subjects[subject].name) {
+        return static_cast<int>(groups_.size() + j);
+      }
+    }
+    LOG(FATAL) << "no candidate is " << result_.subjects[subject].name;
+    return -1;
+  }
+
+  // Refits what was found, and other sets of changes, each alone; the values
+  // of the likeliest replace those of the linearisation. False, with *error,
+  // where a fit was interrupted.
+  bool ExplainChange(const ChangeOptions& options, std::string* error) {
+    std::vector<int> found;
+    bool is_linear = true;
+    for (size_t j = 0; j < result_.subjects.size(); ++j) {
+      if (!result_.estimate.groups[j].changed) continue;
+      found.push_back(EntryOf(j));
+      is_linear =
+          is_linear && result_.subjects[j].kind != ChangeKind::kNonlinear;
+    }
+    // Nonlinear forces have forms that none of those tried need have.
+    if (found.empty() || !is_linear) return true;
+    ChangeRefitter refitter(fit_of_groups_, fit_of_new_, groups_,
+                            identification_, &inner_);
+    if (!refitter.WhyNot().empty()) return true;
+    std::vector<std::pair<int, int>> exchanges;
+    for (const RivalChange& rival : result_.estimate.rivals) {
+      exchanges.emplace_back(EntryOf(static_cast<size_t>(rival.found)),
+                             EntryOf(static_cast<size_t>(rival.other)));
+    }
+    const std::vector<bool> absolute(
+        options.absolute.begin(),
+        options.absolute.begin() + static_cast<std::ptrdiff_t>(groups_.size()));
+    BaselinesNear near;
+    std::optional<BaselineOfModes> modes;
+    if (baselines_.size() == 1 && held_.empty() &&
+        BaselineOfModes::IsOne(baselines_[0])) {
+      modes.emplace(baselines_[0], groups_);
+      near = [&modes](const Vector& values, PooledBaselines* pooled) {
+        return modes->Near(values, pooled);
+      };
+    }
+    ChangeExplanations search(
+        &refitter, absolute, candidates_,
+        [this](const Candidates& candidates, std::vector<GroupState>* states) {
+          std::string unused;
+          return StatesOfBaselines(candidates, states, &unused);
+        },
+        near, options);
+    ExplainedChange explained;
+    const bool thorough = problem_.num_train_records() == 0;
+    if (!search.Run(found, exchanges, thorough, &explained)) {
+      if (!refitter.interrupted()) return true;
+      *error = "interrupted";
+      return false;
+    }
+    TakeOver(explained);
+    return true;
+  }
+
+  // The table of parameters is of a fit with everything free.
+  void SayWhatDiffers(const std::vector<GroupState>& healthy,
+                      const GroupState& current) {
+    PooledBaselines pooled;
+    std::string unused;
+    if (!PoolBaselines(healthy, &pooled, &unused)) return;
+    std::vector<std::string> texts;
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      const GroupChange& change = result_.estimate.groups[j];
+      const auto i = static_cast<Eigen::Index>(j);
+      const double before = 1.0 + pooled.state.values[i];
+      if (!change.changed || !(before > 0.1)) continue;
+      const double free = (1.0 + current.values[i]) / before - 1.0;
+      if (change.lower95 <= free && free <= change.upper95) continue;
+      texts.push_back(groups_[j] + " " + FormatNumber(100.0 * free, 3) +
+                      " % in place of " +
+                      FormatNumber(100.0 * change.change, 3) + " %");
+    }
+    if (texts.empty()) return;
+    result_.remarks.push_back(
+        "The table of parameters is of a fit with all groups free, that of "
+        "changes of one with the changed ones alone. With all groups free it "
+        "is " +
+        Join(texts, ", ") +
+        ". Such a fit spreads a change over groups that the records do not "
+        "tell "
+        "apart; rely on the table of changes.");
+  }
+
+  void TakeOver(const ExplainedChange& explained) {
+    ChangeEstimate& estimate = result_.estimate;
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      estimate.groups[j] = explained.groups[j];
+    }
+    for (size_t j = groups_.size(); j < estimate.groups.size(); ++j) {
+      estimate.groups[j].changed = false;
+    }
+    for (const ChangeExplanation& explanation : explained.explanations) {
+      ChangeExplanation named = explanation;
+      for (int& entry : named.changed) entry = SubjectOf(entry);
+      estimate.explanations.push_back(std::move(named));
+    }
+    const ChangeExplanation& first = estimate.explanations[0];
+    for (size_t k = 0; k < first.changed.size(); ++k) {
+      estimate.groups[static_cast<size_t>(first.changed[k])] = first.changes[k];
+    }
+    estimate.rivals.clear();
+    for (const ChangeExplanation& other : estimate.explanations) {
+      for (const int one : first.changed) {
+        for (const int another : other.changed) {
+          const auto& in = [](const ChangeExplanation& set, int entry) {
+            return std::count(set.changed.begin(), set.changed.end(), entry) >
+                   0;
+          };
+          if (in(other, one) || in(first, another)) continue;
+          estimate.rivals.push_back({one, another, -2.0 * other.log_odds});
         }
       }
-      LOG(FATAL) << "no candidate is " << result_.subjects[subject].name;
-      return -1;
-    };
+    }
+  }
+
+  // Those among all candidates; a candidate that is one becomes a subject.
+  bool AddRivals(std::string* error) {
     std::vector<int> found;
-    std::map<int, int> subject_of;
     for (size_t j = 0; j < result_.subjects.size(); ++j) {
-      const int index = wide_index(j);
-      subject_of[index] = static_cast<int>(j);
-      if (result_.estimate.groups[j].changed) found.push_back(index);
+      if (result_.estimate.groups[j].changed) found.push_back(EntryOf(j));
     }
     std::vector<RivalChange> rivals;
     if (!FindRivals(healthy_, current_, WideOptions(options_.false_alarm_rate),
@@ -419,18 +561,8 @@ class Analyst {
     }
     result_.estimate.rivals.clear();
     for (const RivalChange& rival : rivals) {
-      if (subject_of.find(rival.other) == subject_of.end()) {
-        subject_of[rival.other] = static_cast<int>(result_.subjects.size());
-        result_.subjects.push_back(
-            candidates_[static_cast<size_t>(rival.other) - groups_.size()]
-                .subject);
-        result_.estimate.groups.emplace_back();
-        result_.estimate.between_records.conservativeResize(
-            result_.estimate.between_records.size() + 1);
-        result_.estimate.between_records.tail(1).setZero();
-      }
       result_.estimate.rivals.push_back(
-          {subject_of[rival.found], subject_of[rival.other], rival.loss});
+          {SubjectOf(rival.found), SubjectOf(rival.other), rival.loss});
     }
     return true;
   }
@@ -447,7 +579,7 @@ class Analyst {
 
   Candidates candidates_, found_;
   std::vector<FitOfRecords> fits_of_healthy_;
-  FitOfRecords fit_of_new_;
+  FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict and choice of the result in fit_of_new_.
   Verdict verdict_;
   ModelChoice choice_;
