@@ -500,7 +500,12 @@ class Analyst {
       const double before = 1.0 + pooled.state.values[i];
       if (!change.changed || !(before > 0.1)) continue;
       const double free = (1.0 + current.values[i]) / before - 1.0;
-      if (change.lower95 <= free && free <= change.upper95) continue;
+      // Less than this nobody notices in two tables.
+      constexpr double kNoticed = 0.02;
+      if (std::abs(free - change.change) < kNoticed ||
+          (change.lower95 <= free && free <= change.upper95)) {
+        continue;
+      }
       texts.push_back(groups_[j] + " " + FormatNumber(100.0 * free, 3) +
                       " % in place of " +
                       FormatNumber(100.0 * change.change, 3) + " %");
