@@ -485,8 +485,8 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
          "the model misses " + PercentText(unexplained) +
              " of the motion of record '" + score.name + "' beyond its noise",
          unexplained, limits::kLittleUnexplained,
-         "intervals presume that the model lacks nothing: look for what it "
-         "lacks before relying on them",
+         "look for what it lacks before relying on the intervals, which reach "
+         "as far as an explanation does only where one was found",
          Grade::kWithCare});
   }
   return findings;

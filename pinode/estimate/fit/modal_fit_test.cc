@@ -15,6 +15,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/assessment.h"
 #include "pinode/estimate/certainty/covariance.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "tests/support/estimate_testing.h"
@@ -220,8 +221,11 @@ TEST(ModalIdentify, NamesAnotherStructureOfTheSameFrequencies) {
   options.num_starts = 20;
   fit.Run(options);
   EXPECT_LT(fit.summary.final_modal_cost, 1e-9);
-  EXPECT_FALSE(fit.summary.usable());
-  EXPECT_THAT(fit.summary.message, HasSubstr("another solution describes"));
+  const std::vector<Finding> doubts = CheckDoubts(fit.summary);
+  ASSERT_EQ(doubts.size(), 1u);
+  EXPECT_EQ(doubts[0].check, "other_solution");
+  EXPECT_EQ(doubts[0].grade, Grade::kWithCare);
+  EXPECT_THAT(doubts[0].what, HasSubstr("another solution describes"));
   // Shapes tell which it is.
   fit.problem.modal.modes = Measure(*dynamics, truth, 4, {0, 1, 2, 3});
   for (MeasuredMode& mode : fit.problem.modal.modes) {
@@ -230,6 +234,7 @@ TEST(ModalIdentify, NamesAnotherStructureOfTheSameFrequencies) {
   }
   fit.Run(options);
   EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
+  EXPECT_TRUE(CheckDoubts(fit.summary).empty());
 }
 
 // Deviations of a fifth of what the modes are off by: what is left over says

@@ -209,7 +209,7 @@ def test_of_a_data_file_as_the_program_finds_them(sheet, tmp_path):
 def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
     wind = sheet / "wind.csv"
     for given, sentence in (
-            ({}, "neither a time column"),
+            ({}, "no column is known to be the time"),
             ({"step": STEP, "columns": ["a9"]}, "a9"),
             ({"step": STEP, "columns": 3}, "columns is a value of type int"),
             ({"step": -1.0}, "'step' is -1.0"),
