@@ -415,8 +415,12 @@ class DataFileReader {
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
     columns_.clear();
-    std::vector<std::string> texts;
+    std::vector<std::string> texts, times;
     for (size_t i = 0; i < outline_.columns.size(); ++i) {
+      const std::string& name = outline_.columns[i].name;
+      if (!outline_.is_channel[i] && IsNameOfTime(name) && name != time_) {
+        times.push_back(name);
+      }
       if (outline_.columns[i].kind == CellKind::kText) {
         texts.push_back(outline_.columns[i].name);
       }
@@ -427,6 +431,10 @@ class DataFileReader {
     if (!texts.empty()) {
       remarks_.push_back(
           "Left out, because they hold text: " + Join(texts, ", ") + ".");
+    }
+    if (!times.empty()) {
+      remarks_.push_back("Left out, because they are called as times are: " +
+                         Join(times, ", ") + ".");
     }
     if (IsTextFile(file_.path)) {
       return !columns_.empty() || Fail("no column holds a channel's numbers");

@@ -186,15 +186,16 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   EXPECT_NEAR(record.samples(1, 7), record_.samples(1, 7),
               1e-9 * std::abs(record_.samples(1, 7)));
 
-  // A column of times is no channel, whatever else is called so.
+  // What is called as times are is no channel, and that is said.
   folder_.Write("both.csv",
                 "Time [s],t,a1\n0,3,1\n0.02,1,3\n0.04,2,2\n0.06,7,4\n");
   file.path = folder_.Path("both.csv");
   file.quantities = {};
   ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
-  ASSERT_THAT(c.records[0].channels, SizeIs(2));
-  EXPECT_EQ(c.records[0].channels[0].name, "t");
-  EXPECT_EQ(c.records[0].channels[1].name, "a1");
+  ASSERT_THAT(c.records[0].channels, SizeIs(1));
+  EXPECT_EQ(c.records[0].channels[0].name, "a1");
+  EXPECT_THAT(c.remarks, ::testing::Contains(
+                             ::testing::HasSubstr("called as times are: ")));
 
   folder_.Write("timed.csv", "time,a1,remark\n0,1,x\n0.5,3,y\n1,2,z\n");
   file = ModesDataFile();

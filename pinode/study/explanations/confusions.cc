@@ -13,13 +13,39 @@
 namespace pinode {
 namespace {
 
-// Rounding of the information, and less.
-constexpr double kNothingLeft = 1e-4;
 // Change of an unknown that matters, for an error of the usual size.
 constexpr double kMuch = 0.03;
 
 bool BeginsKnown(const IdentificationRecord& record) {
   return record.start != IdentificationRecord::Start::kFree;
+}
+
+// "'k1', 'k2', 'k3' and 4 others".
+std::string ListOf(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 3;
+  std::vector<std::string> quoted;
+  for (const std::string& name : names) {
+    if (quoted.size() < kMost) quoted.push_back("'" + name + "'");
+  }
+  if (names.size() <= kMost) return Join(quoted, " and ");
+  return Join(quoted, ", ") + " and " + std::to_string(names.size() - kMost) +
+         " others";
+}
+
+// True if all that takes over an error in `suspect` is free in the problem and
+// of the suspect's own kind: then the error is what the problem looks for.
+bool IsAmongFree(const IdentificationProblem& problem, const Suspect& suspect,
+                 const std::vector<std::string>& names) {
+  if (suspect.groups.size() != 1) return false;
+  const auto is_of_kind = [&](const std::string& name) {
+    for (const GroupTerm& term : problem.dynamics->groups()) {
+      if (term.alpha.name == name) {
+        return term.group.target == suspect.groups[0].group.target;
+      }
+    }
+    return false;
+  };
+  return std::all_of(names.begin(), names.end(), is_of_kind);
 }
 
 }  // namespace
@@ -29,17 +55,17 @@ std::vector<Confusion> FindConfusions(const std::vector<Suspect>& suspects,
   std::vector<Confusion> confusions;
   for (size_t i = 0; i < scores.suspects.size(); ++i) {
     const SuspectScore& score = scores.suspects[i];
-    if (score.num_unknowns != 1 || score.information_left > kNothingLeft) {
+    if (score.num_unknowns != 1 || !(score.deviation > suspects[i].usual)) {
       continue;
     }
     Confusion confusion;
     confusion.suspect = i;
-    confusion.information_left = score.information_left;
+    confusion.deviation = score.deviation;
     for (size_t j = 0; j < scores.names.size(); ++j) {
       const double change =
           suspects[i].usual * score.slopes[static_cast<Eigen::Index>(j)];
       if (!(std::abs(change) > kMuch)) continue;
-      confusion.names.push_back("'" + scores.names[j] + "'");
+      confusion.names.push_back(scores.names[j]);
       confusion.changes.push_back(change);
     }
     if (!confusion.names.empty()) confusions.push_back(std::move(confusion));
@@ -84,16 +110,17 @@ std::vector<std::string> ConfusionsBeforeFit(
   }
   for (const Confusion& confusion : FindConfusions(suspects, scores)) {
     const Suspect& suspect = suspects[confusion.suspect];
-    std::vector<std::string> changes;
+    if (IsAmongFree(problem, suspect, confusion.names)) continue;
+    double most = 0.0;
     for (const double change : confusion.changes) {
-      changes.push_back(FormatNumber(change, 2));
+      most = std::max(most, std::abs(change));
     }
-    sentences.push_back("These records cannot tell " + suspect.what + " from " +
-                        Join(confusion.names, " and ") + ": an error of " +
-                        FormatNumber(suspect.usual, 2) +
-                        " in it would change " +
-                        (changes.size() == 1 ? "it" : "them") + " by " +
-                        Join(changes, " and ") + ", and nobody would see it.");
+    sentences.push_back("These records cannot tell " +
+                        suspect.what.substr(0, suspect.what.find(" (")) +
+                        " from " + ListOf(confusion.names) + ": an error of " +
+                        FormatNumber(suspect.usual, 2) + " in it changes " +
+                        (confusion.names.size() == 1 ? "that" : "those") +
+                        " by up to " + FormatNumber(most, 2) + ", unseen.");
   }
   return sentences;
 }

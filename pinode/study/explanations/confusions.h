@@ -20,12 +20,12 @@ struct Confusion {
   // by how much they change.
   std::vector<std::string> names;
   std::vector<double> changes;
-  // Share of the information on it that the unknowns leave.
-  double information_left = 0.0;
+  // Its standard deviation, as SuspectScore::deviation.
+  double deviation = 0.0;
 };
 
-// Finds the suspects of one unknown of which the problem's unknowns leave no
-// information.
+// Finds the suspects of one unknown of which the records do not see an error of
+// the usual size, because the problem's unknowns take it over.
 std::vector<Confusion> FindConfusions(const std::vector<Suspect>& suspects,
                                       const SuspectScores& scores);
 

@@ -50,10 +50,10 @@ class Report {
       }
       findings->push_back(
           {"told_apart_by_damping",
-           Join(confusion.names, " and ") +
+           "'" + Join(confusion.names, "' and '") + "'" +
                " are determined by the given damping alone: a damping off by a "
                "tenth changes them all, and the records do not show it",
-           confusion.information_left, kNaN,
+           confusion.deviation, suspects_[confusion.suspect].usual,
            "give one of them, or measure the force", Grade::kWithCare});
       return;
     }

@@ -65,12 +65,12 @@ class Information {
     Matrix left = own - cross.transpose() * solved;
     const Vector right =
         t.transpose() * gradient_ - solved.transpose() * gradient_(base_);
+    score.deviation = 1.0 / std::sqrt(std::max(left(0, 0), 1e-300));
     score.slopes = -solved.col(0).cwiseQuotient(scale_(base_));
     // In units of each unknown's own information.
     const Vector unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt();
     left = unit.cwiseInverse().asDiagonal() * left *
            unit.cwiseInverse().asDiagonal();
-    score.information_left = std::max(0.0, left.diagonal().minCoeff());
     const Vector g = right.cwiseQuotient(unit);
     // Directions without information gain nothing.
     const Eigen::SelfAdjointEigenSolver<Matrix> modes(left);

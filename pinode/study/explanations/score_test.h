@@ -20,9 +20,9 @@ struct SuspectScore {
   // Residuals count as white.
   double gain = 0.0;
   int num_unknowns = 0;
-  // Share of the information on its unknowns, the least of them, that the
-  // problem's unknowns leave. About zero: the records cannot tell them apart.
-  double information_left = 1.0;
+  // Standard deviation of its first unknown if the problem's unknowns are free
+  // too, its prior included.
+  double deviation = 0.0;
   // Change of each of the problem's named unknowns, in the order of
   // `SuspectScores::names`, if the first unknown of the suspect changes by 1
   // and the records are still met best.
