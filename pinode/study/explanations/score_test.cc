@@ -42,15 +42,24 @@ double NoiseOf(const FitSummary& fit) {
 // problem's unknowns eliminated.
 class Information {
  public:
-  Information(const CondensedSystem& system, const std::vector<int>& base)
+  // `priors`: what the priors add to the diagonal of the Hessian.
+  Information(const CondensedSystem& system, const Vector& priors,
+              const std::vector<int>& base)
       : scale_(system.hessian.diagonal().cwiseMax(1e-300).cwiseSqrt()),
         gradient_(system.gradient.cwiseQuotient(scale_)),
         hessian_(scale_.cwiseInverse().asDiagonal() * system.hessian *
                  scale_.cwiseInverse().asDiagonal()),
+        bare_(hessian_),
         base_(base) {
-    Matrix inner = hessian_(base_, base_);
-    inner.diagonal().array() += 1e-12;
-    factor_.compute(inner);
+    bare_.diagonal() -= priors.cwiseQuotient(scale_.cwiseAbs2());
+    const auto factor = [&base](const Matrix& of,
+                                Eigen::LDLT<Matrix>* factored) {
+      Matrix inner = of(base, base);
+      inner.diagonal().array() += 1e-12;
+      factored->compute(inner);
+    };
+    factor(hessian_, &factor_);
+    factor(bare_, &bare_factor_);
   }
 
   // `directions`: of the suspect's unknowns, all free unknowns x count.
@@ -65,8 +74,7 @@ class Information {
     Matrix left = own - cross.transpose() * solved;
     const Vector right =
         t.transpose() * gradient_ - solved.transpose() * gradient_(base_);
-    score.deviation = 1.0 / std::sqrt(std::max(left(0, 0), 1e-300));
-    score.slopes = -solved.col(0).cwiseQuotient(scale_(base_));
+    AddWhatRecordsSee(t.col(0), &score);
     // In units of each unknown's own information.
     const Vector unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt();
     left = unit.cwiseInverse().asDiagonal() * left *
@@ -85,11 +93,22 @@ class Information {
   }
 
  private:
+  // Deviation and slopes of direction `t`, without priors.
+  void AddWhatRecordsSee(const Vector& t, SuspectScore* score) const {
+    const Vector ht = bare_ * t;
+    const Vector cross = ht(base_);
+    const Vector solved = bare_factor_.solve(cross);
+    const double left = t.dot(ht) - cross.dot(solved);
+    score->deviation = 1.0 / std::sqrt(std::max(left, 1e-300));
+    score->slopes = -solved.cwiseQuotient(scale_(base_));
+  }
+
   const Vector scale_;
   const Vector gradient_;
   const Matrix hessian_;
+  Matrix bare_;  // without priors
   const std::vector<int> base_;
-  Eigen::LDLT<Matrix> factor_;
+  Eigen::LDLT<Matrix> factor_, bare_factor_;
 };
 
 // Fills the usual shifts and deviations.
@@ -166,7 +185,14 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
     scores->names.push_back(name);
   }
   AddUsual(fit, layout, cost.system, base, suspects, scores);
-  const Information information(cost.system, base);
+  Vector priors = Vector::Zero(layout.num_free());
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const Parameter& parameter = layout.free_parameter(j);
+    if (parameter.HasPrior() && parameter.prior_sigma > 0.0) {
+      priors[j] = 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
+    }
+  }
+  const Information information(cost.system, priors, base);
   const auto column = [&layout](const std::string& name) {
     Vector direction = Vector::Zero(layout.num_free());
     const int j = layout.FreeIndex(name);

@@ -21,7 +21,7 @@ struct SuspectScore {
   double gain = 0.0;
   int num_unknowns = 0;
   // Standard deviation of its first unknown if the problem's unknowns are free
-  // too, its prior included.
+  // too, from the records alone: without priors.
   double deviation = 0.0;
   // Change of each of the problem's named unknowns, in the order of
   // `SuspectScores::names`, if the first unknown of the suspect changes by 1
