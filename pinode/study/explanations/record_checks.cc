@@ -7,6 +7,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/structure/model/modal_analysis.h"
@@ -66,6 +67,9 @@ void CheckGivenNoise(const IdentificationRecord& record,
     }
   }
   if (!(worst > limits::kGivenNoise)) return;
+  // Missed motion is above the noise too, and is a finding of its own.
+  const bool misses_motion =
+      StructuredError(score) > limits::kLittleUnexplained;
   findings->push_back(
       {"given_noise_contradicted",
        "the residuals of channel '" + name + "' of record '" + record.name +
@@ -73,7 +77,8 @@ void CheckGivenNoise(const IdentificationRecord& record,
        worst, limits::kGivenNoise,
        "intervals that follow from the given noise are too narrow by as much; "
        "correct `sigma`, or leave it out to have it estimated",
-       worst > limits::kGivenNoiseFar ? Grade::kNotUsable : Grade::kWithCare});
+       worst > limits::kGivenNoiseFar && !misses_motion ? Grade::kNotUsable
+                                                        : Grade::kWithCare});
 }
 
 void CheckPriors(const IdentificationProblem& problem, const FitSummary& fit,
