@@ -45,17 +45,11 @@ Verdict::Verdict(std::vector<Finding> findings)
 }
 
 bool Verdict::MissesMotionAlone() const {
-  const bool misses = std::any_of(findings_.begin(), findings_.end(),
-                                  [](const Finding& finding) {
-                                    return finding.check == kUnexplainedMotion;
-                                  });
-  // Residuals of missed motion are above the given noise too.
-  return std::all_of(
-      findings_.begin(), findings_.end(), [misses](const Finding& finding) {
-        return finding.grade != Grade::kNotUsable ||
-               finding.check == kUnexplainedMotion ||
-               (misses && finding.check == "given_noise_contradicted");
-      });
+  return std::all_of(findings_.begin(), findings_.end(),
+                     [](const Finding& finding) {
+                       return finding.grade != Grade::kNotUsable ||
+                              finding.check == kUnexplainedMotion;
+                     });
 }
 
 }  // namespace pinode

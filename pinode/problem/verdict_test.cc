@@ -26,18 +26,6 @@ TEST(Verdict, IsTheBestGradeThatAllFindingsAllow) {
                    .usable());
 }
 
-// Residuals above the given noise are missed motion where motion is missed, and
-// wrong noise elsewhere.
-TEST(Verdict, MissesMotionAlone) {
-  const Finding noise{"given_noise_contradicted", "noise"};
-  Finding motion{kUnexplainedMotion, "motion"};
-  motion.grade = Grade::kWithCare;
-  EXPECT_TRUE(Verdict({motion}).MissesMotionAlone());
-  EXPECT_TRUE(Verdict({motion, noise}).MissesMotionAlone());
-  EXPECT_FALSE(Verdict({noise}).MissesMotionAlone());
-  EXPECT_FALSE(Verdict({motion, {"open_gaps", "gaps"}}).MissesMotionAlone());
-}
-
 TEST(Finding, IsASentenceWithItsAdvice) {
   Finding finding{"a", "something is wrong"};
   EXPECT_EQ(finding.Sentence(), "something is wrong");

@@ -33,19 +33,6 @@ constexpr char kNewRecords[] = "the new records";
 
 using Candidates = std::vector<ChangeCandidate>;
 
-// True unless too much motion is missed, or something else is wrong. Residuals
-// far above the given noise are what a change leaves that has another form than
-// those tried.
-bool ExplainsEnough(const Verdict& verdict) {
-  return verdict.usable() ||
-         (verdict.MissesMotionAlone() &&
-          std::none_of(verdict.findings().begin(), verdict.findings().end(),
-                       [](const Finding& finding) {
-                         return finding.check == kUnexplainedMotion &&
-                                finding.grade == Grade::kNotUsable;
-                       }));
-}
-
 // Of the training records, the largest; of those that leave `least_share` of it
 // at least, for from noise alone less cannot be told.
 double MissedOf(const FitSummary& summary, double least_share) {
@@ -302,7 +289,7 @@ class Analyst {
     extras.start = &fit_of_new_.model;
     Identification found =
         Identify(fit_of_new_.problem, options, extras, inner_.watch());
-    if (!ExplainsEnough(found.summary.verdict)) {
+    if (!found.summary.usable()) {
       *error = "the result with " + found_[0].subject.name +
                (found_.size() > 1 ? " and others" : "") +
                " is not usable: " + found.summary.message;
@@ -330,7 +317,7 @@ class Analyst {
   }
 
   bool Conclude(bool kinds, std::string* error) {
-    if (!ExplainsEnough(verdict_)) {
+    if (!verdict_.usable()) {
       *error =
           "the fit is not usable, and no change of another kind explains "
           "what it misses";
