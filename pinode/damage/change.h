@@ -93,7 +93,7 @@ struct ChangeEstimate {
   std::vector<ChangeExplanation> explanations;
 };
 
-// What baselines say of a new record if nothing has changed.
+// Prediction of a new record by the baselines if nothing has changed.
 struct PooledBaselines {
   // Expected values and their covariance, with the differences between records.
   GroupState state;

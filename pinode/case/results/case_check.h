@@ -40,7 +40,7 @@ struct CaseCheck {
   bool has_measurements = false;
   ProblemAssessment assessment;
   std::string not_assessed;
-  // What the records cannot tell from the unknowns, a sentence each.
+  // Things that the records cannot tell from the unknowns, a sentence each.
   std::vector<std::string> confusions;
 
   // True if no obstacle to a fit is known.

@@ -186,7 +186,7 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   EXPECT_NEAR(record.samples(1, 7), record_.samples(1, 7),
               1e-9 * std::abs(record_.samples(1, 7)));
 
-  // What is called as times are is no channel, and that is said.
+  // A column that is called as times are is no channel, and that is said.
   folder_.Write("both.csv",
                 "Time [s],t,a1\n0,3,1\n0.02,1,3\n0.04,2,2\n0.06,7,4\n");
   file.path = folder_.Path("both.csv");

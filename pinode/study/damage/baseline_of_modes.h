@@ -22,10 +22,10 @@ namespace pinode {
 double VarianceOfModes(const IdentificationProblem& problem,
                        const ParameterLayout& layout, const Vector& free);
 
-// What a baseline of modes says of its groups. A few frequencies leave most
-// groups to their priors. Over the width of a prior frequencies are not linear
-// in the groups, so that the covariance at the baseline's own values is too
-// narrow elsewhere.
+// Evidence of a baseline of modes about its groups. A few frequencies leave
+// most groups to their priors. Over the width of a prior frequencies are not
+// linear in the groups, so that the covariance at the baseline's own values is
+// too narrow elsewhere.
 class BaselineOfModes {
  public:
   // Returns true if `baseline` has the modes, and no records.

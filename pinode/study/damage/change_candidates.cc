@@ -7,11 +7,10 @@
 #include <set>
 #include <utility>
 
-#include "pinode/base/logging.h"
-#include "pinode/base/strings.h"
-#include "pinode/dynamics/library_function.h"
+#include "pinode/base/statistics.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/modal_analysis.h"
+#include "pinode/study/explanations/nonlinear_force.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/library_term.h"
 
@@ -21,72 +20,6 @@ namespace {
 constexpr double kPriorDeviation = 1.0;
 
 using SpringPlace = DamageSearch::SpringPlace;
-
-// Deformation and its rate at a place, at every sample of the training records.
-struct Motion {
-  Vector deformation;
-  Vector rate;
-};
-
-Motion MotionAt(const FitSummary& summary, int num_dofs, int from, int to) {
-  Motion motion;
-  for (const RecordScore& record : summary.records) {
-    if (record.role != IdentificationRecord::Role::kTrain || !record.finite) {
-      continue;
-    }
-    const auto relative = [&](int offset) {
-      Vector value = record.states.row(offset + to).transpose();
-      if (from >= 0) value -= record.states.row(offset + from).transpose();
-      return value;
-    };
-    const Eigen::Index before = motion.rate.size();
-    motion.deformation.conservativeResize(before + record.states.cols());
-    motion.rate.conservativeResize(before + record.states.cols());
-    motion.deformation.tail(record.states.cols()) = relative(0);
-    motion.rate.tail(record.states.cols()) = relative(num_dofs);
-  }
-  return motion;
-}
-
-double Rms(const Vector& values) {
-  return values.size() == 0 ? 0.0
-                            : std::sqrt(values.squaredNorm() /
-                                        static_cast<double>(values.size()));
-}
-
-std::vector<Feature> FeaturesAt(int from, int to) {
-  if (from < 0) return {Feature::Displacement(to), Feature::Velocity(to)};
-  return {Feature::Deformation(from, to), Feature::DeformationRate(from, to)};
-}
-
-// Returns the names of the deformation and its rate as functions write them.
-std::vector<std::string> FeatureNames(const StructuralModel& model, int from,
-                                      int to) {
-  std::vector<std::string> names;
-  for (const Feature& feature : FeaturesAt(from, to)) {
-    names.push_back(feature.Name(model.dof_names, {}));
-  }
-  return names;
-}
-
-Vector Values(const std::string& basis, const std::vector<std::string>& names,
-              const Motion& motion) {
-  LibraryFunction function;
-  std::string error;
-  CHECK(LibraryFunction::Parse(basis, names, &function, &error)) << error;
-  Vector values(motion.rate.size());
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const double q[2] = {motion.deformation[i], motion.rate[i]};
-    values[i] = function.Evaluate(q);
-  }
-  return values;
-}
-
-std::string OutputName(const StructuralModel& model, int from, int to) {
-  const std::string& end = model.dof_names[static_cast<size_t>(to)];
-  return from < 0 ? end
-                  : end + "-" + model.dof_names[static_cast<size_t>(from)];
-}
 
 GroupTerm MatrixTerm(const ChangeCandidate& candidate) {
   GroupTerm term;
@@ -183,9 +116,6 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     }
   }
   for (const SpringPlace& place : search.springs) {
-    const Motion motion = MotionAt(summary, size, place.from, place.to);
-    const std::vector<std::string> names =
-        FeatureNames(corrected, place.from, place.to);
     // Stiffness that couples the two; if there is none, that holds the one.
     double stiffness = place.from < 0
                            ? corrected.stiffness.row(place.to).sum()
@@ -193,36 +123,26 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     if (!(stiffness > 0.0)) {
       stiffness = corrected.stiffness(place.to, place.to);
     }
-    const double force = stiffness * Rms(motion.deformation);
-    const double rate = Rms(motion.rate);
-    if (!(force > 0.0) || !(rate > 0.0)) continue;
-    const std::vector<std::pair<std::string, std::string>> forces = {
-        {"opening", "abs(" + names[0] + ")"},
-        {"hardening", names[0] + "^3"},
-        {"friction",
-         "tanh(" + names[1] + "/" + FormatNumber(0.1 * rate, 6) + ")"},
-        {"drag", "abs(" + names[1] + ")*" + names[1]}};
-    for (const auto& [form, basis] : forces) {
+    for (const NonlinearForce& force : NonlinearForcesAt(
+             corrected, summary, place.from, place.to, stiffness, place.name)) {
       ChangeCandidate candidate;
-      candidate.basis = basis;
-      candidate.library = TermName(place.name + "." + form);
-      candidate.subject.name = candidate.library + "." + basis;
+      candidate.basis = force.spec.coefficients[0].basis;
+      candidate.library = TermName(force.spec.name);
+      candidate.subject.name = candidate.library + "." + candidate.basis;
       candidate.subject.kind = ChangeKind::kNonlinear;
       candidate.subject.place = place.name;
-      candidate.subject.dof = OutputName(corrected, place.from, place.to);
+      candidate.subject.dof = force.spec.output;
       candidate.from = place.from;
       candidate.to = place.to;
-      candidate.unit = force / Rms(Values(basis, names, motion));
-      if (std::isfinite(candidate.unit)) {
-        candidates.push_back(std::move(candidate));
-      }
+      candidate.unit = force.unit;
+      candidates.push_back(std::move(candidate));
     }
   }
   return candidates;
 }
 
 std::vector<Feature> FeaturesOf(const ChangeCandidate& candidate) {
-  return FeaturesAt(candidate.from, candidate.to);
+  return FeaturesOfSpring(candidate.from, candidate.to);
 }
 
 double PriorOf(const ChangeCandidate& candidate) {
@@ -273,10 +193,8 @@ void SetForceShares(const IdentificationProblem& extended,
       ParametersByName(extended, model);
   for (ChangeCandidate& candidate : *candidates) {
     if (candidate.subject.kind != ChangeKind::kNonlinear) continue;
-    const std::vector<std::string> names =
-        FeatureNames(corrected, candidate.from, candidate.to);
-    const Motion motion =
-        MotionAt(summary, corrected.num_dofs(), candidate.from, candidate.to);
+    const SpringMotion motion =
+        MotionOfSpring(corrected, summary, candidate.from, candidate.to);
     Vector force = Vector::Zero(motion.rate.size());
     for (const ChangeCandidate& other : *candidates) {
       if (other.subject.place != candidate.subject.place ||
@@ -285,7 +203,7 @@ void SetForceShares(const IdentificationProblem& extended,
       }
       const auto value = values.find(other.subject.name);
       if (value == values.end()) continue;
-      force += value->second * Values(other.basis, names, motion);
+      force += value->second * motion.Values(other.basis);
     }
     Vector restoring = force;
     Eigen::Index sample = 0;
@@ -300,7 +218,7 @@ void SetForceShares(const IdentificationProblem& extended,
       sample += record.states.cols();
     }
     candidate.subject.force_share =
-        Rms(force) / std::max(Rms(restoring), 1e-300);
+        RmsOfPresent(force) / std::max(RmsOfPresent(restoring), 1e-300);
   }
 }
 

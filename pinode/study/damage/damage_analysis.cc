@@ -553,7 +553,7 @@ class Analyst {
     }
   }
 
-  // Those among all candidates; a candidate that is one becomes a subject.
+  // Rivals among all candidates; a candidate that is one becomes a subject.
   bool AddRivals(std::string* error) {
     std::vector<int> found;
     for (size_t j = 0; j < result_.subjects.size(); ++j) {

@@ -1,4 +1,4 @@
-// What records cannot tell from the unknowns of a problem.
+// Errors of a model that records cannot tell from the unknowns of a problem.
 
 #ifndef PINODE_STUDY_EXPLANATIONS_CONFUSIONS_H_
 #define PINODE_STUDY_EXPLANATIONS_CONFUSIONS_H_

@@ -18,7 +18,7 @@ namespace {
 // Number of explanations to report.
 constexpr size_t kMostReported = 5;
 
-// What a search has found, in words and numbers.
+// Describes the outcome of a search in words and numbers.
 class Report {
  public:
   Report(const IdentificationProblem& problem, const FitSummary& fit,

@@ -4,21 +4,23 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
-#include "pinode/dynamics/feature.h"
 #include "pinode/dynamics/library_function.h"
 
 namespace pinode {
-namespace {
 
-// Deformation and its rate, at every sample of the training records.
-struct Motion {
-  Vector deformation;
-  Vector rate;
-};
+std::vector<Feature> FeaturesOfSpring(int from, int to) {
+  if (from < 0) return {Feature::Displacement(to), Feature::Velocity(to)};
+  return {Feature::Deformation(from, to), Feature::DeformationRate(from, to)};
+}
 
-Motion MotionAt(const FitSummary& fit, int num_dofs, int from, int to) {
-  Motion motion;
+SpringMotion MotionOfSpring(const StructuralModel& model, const FitSummary& fit,
+                            int from, int to) {
+  SpringMotion motion;
+  for (const Feature& feature : FeaturesOfSpring(from, to)) {
+    motion.names.push_back(feature.Name(model.dof_names, {}));
+  }
   for (const RecordScore& record : fit.records) {
     if (record.role != IdentificationRecord::Role::kTrain || !record.finite) {
       continue;
@@ -33,64 +35,48 @@ Motion MotionAt(const FitSummary& fit, int num_dofs, int from, int to) {
     motion.deformation.conservativeResize(before + count);
     motion.rate.conservativeResize(before + count);
     motion.deformation.tail(count) = relative(0);
-    motion.rate.tail(count) = relative(num_dofs);
+    motion.rate.tail(count) = relative(model.num_dofs());
   }
   return motion;
 }
 
-double Rms(const Vector& values) {
-  return values.size() == 0 ? 0.0
-                            : std::sqrt(values.squaredNorm() /
-                                        static_cast<double>(values.size()));
-}
-
-Vector Values(const std::string& basis, const std::vector<std::string>& names,
-              const Motion& motion) {
+Vector SpringMotion::Values(const std::string& basis) const {
   LibraryFunction function;
   std::string error;
   CHECK(LibraryFunction::Parse(basis, names, &function, &error)) << error;
-  Vector values(motion.rate.size());
+  Vector values(rate.size());
   for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const double q[2] = {motion.deformation[i], motion.rate[i]};
+    const double q[2] = {deformation[i], rate[i]};
     values[i] = function.Evaluate(q);
   }
   return values;
 }
 
-}  // namespace
-
 std::vector<NonlinearForce> NonlinearForcesAt(const StructuralModel& model,
                                               const FitSummary& fit, int from,
                                               int to, double stiffness,
                                               const std::string& name) {
-  const Motion motion = MotionAt(fit, model.num_dofs(), from, to);
-  const double force = stiffness * Rms(motion.deformation);
-  const double rate = Rms(motion.rate);
+  const SpringMotion motion = MotionOfSpring(model, fit, from, to);
+  const double force = stiffness * RmsOfPresent(motion.deformation);
+  const double rate = RmsOfPresent(motion.rate);
   std::vector<NonlinearForce> forces;
   if (!(force > 0.0) || !(rate > 0.0)) return forces;
-  std::vector<Feature> features = {Feature::Displacement(to),
-                                   Feature::Velocity(to)};
-  const std::string& end = model.dof_names[static_cast<size_t>(to)];
-  std::string output = end;
-  if (from >= 0) {
-    features = {Feature::Deformation(from, to),
-                Feature::DeformationRate(from, to)};
-    output += "-" + model.dof_names[static_cast<size_t>(from)];
-  }
-  const std::string d = features[0].Name(model.dof_names, {});
-  const std::string v = features[1].Name(model.dof_names, {});
+  std::string output = model.dof_names[static_cast<size_t>(to)];
+  if (from >= 0) output += "-" + model.dof_names[static_cast<size_t>(from)];
+  const std::string& d = motion.names[0];
+  const std::string& v = motion.names[1];
   const std::vector<std::pair<std::string, std::string>> forms = {
+      {"opening", "abs(" + d + ")"},
       {"hardening", d + "^3"},
       {"friction", "tanh(" + v + "/" + FormatNumber(0.1 * rate, 6) + ")"},
-      {"opening", "abs(" + d + ")"},
       {"drag", "abs(" + v + ")*" + v}};
   for (const auto& [form, basis] : forms) {
     NonlinearForce one;
     one.form = form;
-    one.unit = force / Rms(Values(basis, {d, v}, motion));
+    one.unit = force / RmsOfPresent(motion.Values(basis));
     if (!std::isfinite(one.unit)) continue;
     one.spec.name = name + "." + form;
-    one.spec.features = features;
+    one.spec.features = FeaturesOfSpring(from, to);
     one.spec.output = output;
     one.spec.acts_as = ActsAs::kForce;
     one.spec.coefficients.resize(1);

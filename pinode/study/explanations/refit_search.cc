@@ -195,7 +195,7 @@ bool RefitSearch::Score(const Refit& at, std::vector<Suspect> suspects,
 }
 
 void RefitSearch::AddForceSuspects(const Refit& own) {
-  // Where nothing is left but noise, a force elsewhere would be small.
+  // A force elsewhere would be small if nothing is left but noise.
   constexpr double kWhite = 1.1;
   constexpr size_t kPlaces = 12;
   constexpr size_t kPlacesIfWhite = 3;

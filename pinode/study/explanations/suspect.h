@@ -1,4 +1,4 @@
-// What a model may lack: the unknowns that a problem gets if this is it.
+// Entry of the catalogue of things that a model may lack.
 
 #ifndef PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
 #define PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
