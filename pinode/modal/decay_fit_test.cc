@@ -145,7 +145,9 @@ TEST(FindDecaysTest, ADecayWithoutVibrationIsNoVibration) {
   int vibrations = 0;
   for (const DecayTerm& term : fit.terms) {
     vibrations += term.vibrates();
-    if (!term.vibrates()) EXPECT_NEAR(term.s.real(), -0.7, 0.01);
+    if (!term.vibrates()) {
+      EXPECT_NEAR(term.s.real(), -0.7, 0.01);
+    }
   }
   EXPECT_EQ(vibrations, 1);
 }
