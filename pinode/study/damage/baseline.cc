@@ -140,6 +140,55 @@ bool AreDifferentResults(const std::vector<Baseline>& baselines,
   return true;
 }
 
+bool AreBaselinesOf(const StructuralDynamics& dynamics,
+                    const std::vector<Baseline>& baselines,
+                    std::string* error) {
+  const std::vector<std::string> groups = FreeGroups(dynamics);
+  const auto size = static_cast<Eigen::Index>(groups.size());
+  for (const Baseline& baseline : baselines) {
+    const GroupState& state = baseline.groups;
+    if (baseline.group_names != groups) {
+      *error = "baseline '" + baseline.name + "' has the groups " +
+               Join(baseline.group_names, ", ") + ", expected " +
+               Join(groups, ", ");
+      return false;
+    }
+    if (state.values.size() != size || state.covariance.rows() != size ||
+        state.covariance.cols() != size || !state.values.allFinite() ||
+        !state.covariance.allFinite()) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of every group";
+      return false;
+    }
+    const std::map<std::string, std::string> texts = FollowingTexts(dynamics);
+    for (size_t i = 0; i < baseline.followers.size(); ++i) {
+      const auto own = texts.find(baseline.followers[i]);
+      if (own == texts.end() || baseline.following.size() <= i ||
+          own->second == baseline.following[i]) {
+        continue;
+      }
+      *error = "in baseline '" + baseline.name + "' '" + own->first +
+               "' follows " + baseline.following[i] + ", expected " +
+               own->second;
+      return false;
+    }
+    const GroupState& all = baseline.with_followers;
+    const Eigen::Index with_followers =
+        size + static_cast<Eigen::Index>(baseline.followers.size());
+    if (!baseline.followers.empty() &&
+        (all.values.size() != with_followers ||
+         all.covariance.rows() != with_followers ||
+         all.covariance.cols() != with_followers || !all.values.allFinite() ||
+         !all.covariance.allFinite())) {
+      *error = "baseline '" + baseline.name +
+               "' has not a finite value and covariance of what follows "
+               "covariates";
+      return false;
+    }
+  }
+  return AreDifferentResults(baselines, error);
+}
+
 IdentifiedModel BeginFromBaseline(const Baseline& baseline,
                                   const IdentificationProblem& problem) {
   const ParameterLayout layout(problem);

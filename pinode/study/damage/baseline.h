@@ -90,6 +90,14 @@ std::map<std::string, std::string> FollowingTexts(
 [[nodiscard]] bool AreDifferentResults(const std::vector<Baseline>& baselines,
                                        std::string* error);
 
+// Returns false, with *error, if a baseline cannot be compared with fits of
+// `dynamics`: other groups, a value that is not finite, a group that follows a
+// covariate in another way, or if two are
+// identical (AreDifferentResults).
+[[nodiscard]] bool AreBaselinesOf(const StructuralDynamics& dynamics,
+                                  const std::vector<Baseline>& baselines,
+                                  std::string* error);
+
 // Returns the model from which a fit of `problem` begins: its own initial
 // values, and those of the baseline for the named parameters that both have,
 // clamped to their bounds.

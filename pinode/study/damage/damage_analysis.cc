@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -13,7 +12,7 @@
 #include "pinode/study/damage/baseline_of_modes.h"
 #include "pinode/study/damage/change_explanations.h"
 #include "pinode/study/damage/change_refit.h"
-#include "pinode/study/damage/held_followers.h"
+#include "pinode/study/damage/healthy_records.h"
 #include "pinode/study/damage/wide_state.h"
 #include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/inner_fit.h"
@@ -74,7 +73,7 @@ class Analyst {
         options_(options.change),
         inner_(options.watch),
         groups_(FreeGroups(*problem.dynamics)),
-        held_(baselines, problem),
+        healthy_records_(baselines, problem, groups_, options.identification),
         result_(*result) {}
 
   bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
@@ -101,9 +100,9 @@ class Analyst {
     std::string why;
     verdict_ = summary.verdict;
     choice_ = summary.choice;
-    const bool kinds = !candidates_.empty() && RefitBaselines(&why) &&
-                       LookForKinds(&why) &&
-                       (found_.empty() || IdentifyWithFound(&why));
+    const bool kinds =
+        !candidates_.empty() && healthy_records_.Refit(&inner_, &why) &&
+        LookForKinds(&why) && (found_.empty() || IdentifyWithFound(&why));
     if (!why.empty()) {
       result_.remarks.push_back(
           "Kinds of change were not told apart from one another: " + why + ".");
@@ -135,90 +134,9 @@ class Analyst {
     return options;
   }
 
-  bool RefitBaselines(std::string* error) {
-    for (const Baseline& baseline : baselines_) {
-      if (baseline.fit == nullptr) {
-        *error = baseline.why_no_fit;
-        return false;
-      }
-      const HealthyFit& healthy = *baseline.fit;
-      FitOfRecords fit{baseline.name, healthy.problem, healthy.summary,
-                       healthy.model};
-      if (!healthy.IsFitted()) {
-        IdentificationOptions options = healthy.options;
-        options.num_threads = identification_.num_threads;
-        options.communicator = identification_.communicator;
-        BeginNearTheEnd(&options);
-        inner_.Run("healthy", fit.problem, options, nullptr, &fit.summary,
-                   &fit.model);
-        // No better than before, so not "usable".
-        if (fit.summary.termination != Termination::kConverged) {
-          *error = baseline.name + ": " + fit.summary.message;
-          return false;
-        }
-      }
-      fits_of_healthy_.push_back(std::move(fit));
-    }
-    return true;
-  }
-
-  bool HealthyStates(const Candidates& candidates,
-                     std::vector<GroupState>* states, std::string* error) {
-    Communicator& ranks = CommunicatorOrSingle(identification_.communicator);
-    states->assign(baselines_.size(), GroupState());
-    std::vector<std::string> names = groups_;
-    names.insert(names.end(), held_.names().begin(), held_.names().end());
-    bool ok = FindSlopes(candidates, error);
-    for (size_t i = 0; ok && i < baselines_.size(); ++i) {
-      if (RankOfBaseline(i, ranks.size()) != ranks.rank()) continue;
-      GroupState& state = (*states)[i];
-      ok = StateNear(fits_of_healthy_[i], names, candidates,
-                     identification_.num_threads, &state, error);
-      if (ok && !held_.empty()) state = held_.Compared(state, groups_.size());
-    }
-    if (ranks.size() == 1) return ok;
-    if (!ranks.AllTrue(ok)) {
-      // Of one that has none every rank finds so.
-      if (ok) *error = "the model with all kinds of change in it is not finite";
-      return false;
-    }
-    return ExchangeStates(&ranks, states, error);
-  }
-
-  bool FindSlopes(const Candidates& candidates, std::string* error) {
-    return held_.empty() ||
-           held_.FindSlopes(fit_of_new_, groups_, candidates,
-                            identification_.num_threads, error);
-  }
-
-  // Baselines are shared by the ranks.
-  int RankOfBaseline(size_t i, int num_ranks) const {
-    return static_cast<int>(i * static_cast<size_t>(num_ranks) /
-                            baselines_.size());
-  }
-  bool ExchangeStates(Communicator* ranks, std::vector<GroupState>* states,
-                      std::string* error) const {
-    for (size_t i = 0; i < states->size(); ++i) {
-      GroupState& state = (*states)[i];
-      const int owner = RankOfBaseline(i, ranks->size());
-      Vector numbers(state.values.size() + state.covariance.size());
-      numbers << state.values, state.covariance.reshaped();
-      if (!ranks->Broadcast(owner, &numbers)) {
-        *error = "a rank does not answer";
-        return false;
-      }
-      // n + n^2 of them.
-      const auto n = static_cast<Eigen::Index>(std::lround(
-          std::sqrt(static_cast<double>(numbers.size()) + 0.25) - 0.5));
-      state.values = numbers.head(n);
-      state.covariance = numbers.tail(n * n).reshaped(n, n);
-    }
-    return true;
-  }
-
   // Groups and all candidates of the healthy records and the new ones.
   bool WideStates(std::string* error) {
-    if (!HealthyStates(candidates_, &healthy_, error) ||
+    if (!healthy_records_.States(fit_of_new_, candidates_, &healthy_, error) ||
         !StateNear(fit_of_new_, groups_, candidates_,
                    identification_.num_threads, &current_, error)) {
       return false;
@@ -302,20 +220,6 @@ class Analyst {
     return true;
   }
 
-  // States of the baselines: groups, then candidates.
-  bool StatesOfBaselines(const Candidates& candidates,
-                         std::vector<GroupState>* states, std::string* error) {
-    if (!candidates.empty()) return HealthyStates(candidates, states, error);
-    if (!FindSlopes({}, error)) return false;
-    states->clear();
-    for (const Baseline& baseline : baselines_) {
-      states->push_back(held_.empty() ? baseline.groups
-                                      : held_.Compared(held_.StateOf(baseline),
-                                                       groups_.size()));
-    }
-    return true;
-  }
-
   bool Conclude(bool kinds, std::string* error) {
     if (!verdict_.usable()) {
       *error =
@@ -341,7 +245,9 @@ class Analyst {
       result_.subjects.push_back(candidate.subject);
     }
     std::vector<GroupState> healthy;
-    if (!StatesOfBaselines(found_, &healthy, error)) return false;
+    if (!healthy_records_.States(fit_of_new_, found_, &healthy, error)) {
+      return false;
+    }
     GroupState current;
     if (!GroupsOf(*fit_of_new_.problem.dynamics, fit_of_new_.summary, names,
                   &current, error)) {
@@ -399,8 +305,8 @@ class Analyst {
   // Nothing where the healthy records' fits are not there.
   MissedMotion Missed() const {
     MissedMotion missed;
-    if (fits_of_healthy_.empty()) return missed;
-    for (const FitOfRecords& fit : fits_of_healthy_) {
+    if (healthy_records_.fits().empty()) return missed;
+    for (const FitOfRecords& fit : healthy_records_.fits()) {
       missed.healthy = std::max(missed.healthy, MissedOf(fit.summary, 0.0));
     }
     missed.groups = missed_by_groups_;
@@ -462,7 +368,7 @@ class Analyst {
         options.absolute.begin() + static_cast<std::ptrdiff_t>(groups_.size()));
     BaselinesNear near;
     std::optional<BaselineOfModes> modes;
-    if (baselines_.size() == 1 && held_.empty() &&
+    if (baselines_.size() == 1 && !healthy_records_.MovesWithCovariates() &&
         BaselineOfModes::IsOne(baselines_[0])) {
       modes.emplace(baselines_[0], groups_);
       near = [&modes](const Vector& values, PooledBaselines* pooled) {
@@ -473,7 +379,8 @@ class Analyst {
         &refitter, absolute, candidates_,
         [this](const Candidates& candidates, std::vector<GroupState>* states) {
           std::string unused;
-          return StatesOfBaselines(candidates, states, &unused);
+          return healthy_records_.States(fit_of_new_, candidates, states,
+                                         &unused);
         },
         near, options);
     ExplainedChange explained;
@@ -579,11 +486,10 @@ class Analyst {
   const ChangeOptions& options_;
   InnerFit inner_;
   const std::vector<std::string> groups_;
-  HeldFollowers held_;
+  HealthyRecords healthy_records_;
   DamageResult& result_;
 
   Candidates candidates_, found_;
-  std::vector<FitOfRecords> fits_of_healthy_;
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict and choice of the result in fit_of_new_.
   Verdict verdict_;
@@ -612,50 +518,7 @@ bool CheckInput(const IdentificationProblem& problem,
     *error = "no group is free, expected those whose change is asked for";
     return false;
   }
-  const auto size = static_cast<Eigen::Index>(groups.size());
-  for (const Baseline& baseline : baselines) {
-    const GroupState& state = baseline.groups;
-    if (baseline.group_names != groups) {
-      *error = "baseline '" + baseline.name + "' has the groups " +
-               Join(baseline.group_names, ", ") + ", expected " +
-               Join(groups, ", ");
-      return false;
-    }
-    if (state.values.size() != size || state.covariance.rows() != size ||
-        state.covariance.cols() != size || !state.values.allFinite() ||
-        !state.covariance.allFinite()) {
-      *error = "baseline '" + baseline.name +
-               "' has not a finite value and covariance of every group";
-      return false;
-    }
-    const std::map<std::string, std::string> texts =
-        FollowingTexts(*problem.dynamics);
-    for (size_t i = 0; i < baseline.followers.size(); ++i) {
-      const auto own = texts.find(baseline.followers[i]);
-      if (own == texts.end() || baseline.following.size() <= i ||
-          own->second == baseline.following[i]) {
-        continue;
-      }
-      *error = "in baseline '" + baseline.name + "' '" + own->first +
-               "' follows " + baseline.following[i] + ", expected " +
-               own->second;
-      return false;
-    }
-    const GroupState& all = baseline.with_followers;
-    const Eigen::Index with_followers =
-        size + static_cast<Eigen::Index>(baseline.followers.size());
-    if (!baseline.followers.empty() &&
-        (all.values.size() != with_followers ||
-         all.covariance.rows() != with_followers ||
-         all.covariance.cols() != with_followers || !all.values.allFinite() ||
-         !all.covariance.allFinite())) {
-      *error = "baseline '" + baseline.name +
-               "' has not a finite value and covariance of what follows "
-               "covariates";
-      return false;
-    }
-  }
-  return AreDifferentResults(baselines, error);
+  return AreBaselinesOf(*problem.dynamics, baselines, error);
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+// States of all baselines, to compare with the state that new records show.
+
+#ifndef PINODE_STUDY_DAMAGE_HEALTHY_RECORDS_H_
+#define PINODE_STUDY_DAMAGE_HEALTHY_RECORDS_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/communicator.h"
+#include "pinode/damage/change.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/study/damage/baseline.h"
+#include "pinode/study/damage/change_candidates.h"
+#include "pinode/study/damage/held_followers.h"
+#include "pinode/study/damage/wide_state.h"
+#include "pinode/study/problem/inner_fit.h"
+
+namespace pinode {
+
+// Fits of the baselines and the states that follow from them. All arguments of
+// the constructor must outlive this object.
+class HealthyRecords {
+ public:
+  // `groups` are those to be compared in `problem`, the problem of the new
+  // records.
+  HealthyRecords(const std::vector<Baseline>& baselines,
+                 const IdentificationProblem& problem,
+                 const std::vector<std::string>& groups,
+                 const IdentificationOptions& options);
+
+  // Fits the baselines that have records but no parameters yet. Returns false,
+  // with *error, if a baseline has no records or its fit does not converge.
+  [[nodiscard]] bool Refit(InnerFit* inner, std::string* error);
+  // Fits found by Refit, one per baseline.
+  const std::vector<FitOfRecords>& fits() const { return fits_; }
+
+  // Returns true if groups follow covariates that `problem` holds.
+  bool MovesWithCovariates() const { return !held_.empty(); }
+
+  // Finds the states of groups and `candidates` (in their units), one per
+  // baseline; `of_new` is the fit of the new records. Candidates need fits.
+  // Returns false, with *error, if a cost is not finite or a rank does not
+  // answer.
+  [[nodiscard]] bool States(const FitOfRecords& of_new,
+                            const std::vector<ChangeCandidate>& candidates,
+                            std::vector<GroupState>* states,
+                            std::string* error);
+
+ private:
+  bool StatesNear(const FitOfRecords& of_new,
+                  const std::vector<ChangeCandidate>& candidates,
+                  std::vector<GroupState>* states, std::string* error);
+  bool FindSlopes(const FitOfRecords& of_new,
+                  const std::vector<ChangeCandidate>& candidates,
+                  std::string* error);
+  // Ranks share the baselines.
+  int RankOfBaseline(size_t i, int num_ranks) const;
+  bool ExchangeStates(Communicator* ranks, std::vector<GroupState>* states,
+                      std::string* error) const;
+
+  const std::vector<Baseline>& baselines_;
+  const std::vector<std::string>& groups_;
+  const IdentificationOptions& options_;
+  HeldFollowers held_;
+  std::vector<FitOfRecords> fits_;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_DAMAGE_HEALTHY_RECORDS_H_
