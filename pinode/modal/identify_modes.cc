@@ -2,23 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
 #include <utility>
 
 #include "pinode/base/constants.h"
-#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/modal/data_driven.h"
-#include "pinode/modal/decay_modes.h"
-#include "pinode/modal/harmonics.h"
+#include "pinode/modal/decay_search.h"
 #include "pinode/modal/input_projection.h"
 #include "pinode/modal/mode_estimate.h"
+#include "pinode/modal/mode_list.h"
 #include "pinode/modal/ring_down.h"
 #include "pinode/modal/stabilisation.h"
 #include "pinode/modal/windowed_correlations.h"
-#include "pinode/record/resample.h"
 
 namespace pinode {
 namespace {
@@ -41,16 +37,10 @@ constexpr Eigen::Index kFilterReach = 35;
 // Most lags per window, and fewest windows.
 constexpr int kMostWindows = 120;
 constexpr int kFewestWindows = 20;
-// Limits for a ring-down: most block rows, and the largest remainder of a
-// channel.
+// Most block rows for a ring-down.
 constexpr int kMostDecayRows = 300;
-constexpr double kLargestRest = 0.3;
-// Largest damping ratio of a vibration that is looked for in a decay, and the
-// largest uncertainty of the frequency of one that is listed.
+// Largest damping ratio of a vibration that is looked for in a decay.
 constexpr double kLargestDecayRatio = 0.95;
-constexpr double kLargestDecaySigma = 0.1;
-// Most samples of a rate at which all vibrations of a decay are fitted.
-constexpr Eigen::Index kMostJointSamples = 30000;
 // Largest uncertainty of the shape of a mode under a measured load. A measured
 // load separates close modes, so a pole whose shape is less certain is not a
 // mode.
@@ -58,42 +48,17 @@ constexpr double kLargestShapeSigma = 0.4;
 // Standard deviations by which two methods may differ on one record.
 constexpr double kDisagreement = 3.0;
 
-// One record at one rate.
-struct Level {
-  double step = 0.0;
-  Matrix samples;  // channels x samples, mean zero, standard deviation 1
-  Vector scales;   // by which they were divided
-  Matrix inputs;   // likewise
-  double lowest_hz = 0.0;
-  double highest_hz = 0.0;
-};
-
-void Standardise(Matrix* samples, Vector* scales) {
-  scales->resize(samples->rows());
-  for (Eigen::Index c = 0; c < samples->rows(); ++c) {
-    const Vector values = samples->row(c);
-    const double sigma = StandardDeviationOfPresent(values);
-    (*scales)[c] = sigma > 0.0 ? sigma : 1.0;
-    samples->row(c) = (values.array() - MeanOfPresent(values)) / (*scales)[c];
-  }
-}
-
-Matrix Halved(const Matrix& samples, double step) {
-  Matrix result;
-  for (Eigen::Index c = 0; c < samples.rows(); ++c) {
-    const Vector values = Resample(samples.row(c), step, 2.0 * step);
-    if (c == 0) result.resize(samples.rows(), values.size());
-    result.row(c) = values.transpose();
-  }
-  return result;
-}
-
 class ModeFinder {
  public:
   ModeFinder(const ResponseRecord& record,
              const ModeIdentificationOptions& options, ModesOfRecord* result,
              std::string* error)
-      : record_(record), options_(options), result_(result), error_(error) {}
+      : record_(record),
+        options_(options),
+        result_(result),
+        error_(error),
+        modes_(result),
+        decays_(record, options.stabilisation, result, &modes_) {}
 
   // Option that is at fault, valid after Find.
   const std::string& option() const { return option_; }
@@ -106,7 +71,7 @@ class ModeFinder {
     *result_ = ModesOfRecord();
     result_->method = method_;
     result_->remarks = FindChannelFaults(record_);
-    Level level;
+    RecordAtRate level;
     level.step = record_.sampling_step;
     level.samples = record_.samples;
     if (method_ == ModalMethod::kInputOutput) level.inputs = record_.inputs;
@@ -136,8 +101,8 @@ class ModeFinder {
       level.step *= 2.0;
       top = kBandTop;
     }
-    FitDecays(lowest_hz_);
-    Merge();
+    decays_.Fit(lowest_hz_);
+    modes_.Finish();
     RemarkOnPicks();
     RemarkOnChecks();
     return true;
@@ -256,13 +221,13 @@ class ModeFinder {
     return true;
   }
 
-  bool IsLast(const Level& level) const {
+  bool IsLast(const RecordAtRate& level) const {
     return level.samples.cols() <
                2 * (is_decay() ? kFewestDecaySamples : kFewestSamples) ||
            kBandBottom * 0.5 / level.step <= lowest_hz_;
   }
 
-  bool Analyse(Level level) {
+  bool Analyse(RecordAtRate level) {
     AnalysedBand band;
     band.sampling_step = level.step;
     band.lowest_hz = level.lowest_hz;
@@ -309,14 +274,14 @@ class ModeFinder {
       if (!identify(other, &checks)) return false;
     }
     if (is_decay()) {
-      KeepDecay(level, std::move(poles), std::move(band));
+      decays_.Take(level, std::move(poles), std::move(band));
     } else {
       Keep(level, poles, checks, window_seconds, std::move(band));
     }
     return true;
   }
 
-  void SizeMatrix(const Level& level, AnalysedBand* band) const {
+  void SizeMatrix(const RecordAtRate& level, AnalysedBand* band) const {
     const int channels = record_.num_channels();
     const int third = static_cast<int>(
         std::min<Eigen::Index>(level.samples.cols() / 3, kMostDecayRows));
@@ -333,7 +298,7 @@ class ModeFinder {
                                              : std::min(60, largest / 2 * 2);
   }
 
-  bool FormDecay(const Level& level, AnalysedBand* band,
+  bool FormDecay(const RecordAtRate& level, AnalysedBand* band,
                  HankelWindows* hankel) {
     if (level.samples.cols() < 3 * band->block_rows || band->max_order < 2) {
       return Fail(GivenBlockRows(),
@@ -351,7 +316,7 @@ class ModeFinder {
 
   // Computes correlations under unmeasured loads, or under unmeasured loads in
   // addition to measured ones.
-  bool FormCorrelations(const Level& level, AnalysedBand* band,
+  bool FormCorrelations(const RecordAtRate& level, AnalysedBand* band,
                         HankelWindows* hankel, double* window_seconds) {
     const int lags = 2 * band->block_rows - 1;
     const Eigen::Index hops = level.samples.cols() / std::max(1, lags);
@@ -384,30 +349,7 @@ class ModeFinder {
     return true;
   }
 
-  static bool IsInside(const SubspacePole& pole, const AnalysedBand& band) {
-    return pole.frequency() >= band.lowest_hz &&
-           pole.frequency() <= band.highest_hz;
-  }
-
-  // Adds the poles inside of the band to it. Returns their places there, -1 for
-  // those outside.
-  static std::vector<int> AddPoles(const std::vector<SubspacePole>& poles,
-                                   double window_seconds, AnalysedBand* band) {
-    std::vector<int> places;
-    for (const SubspacePole& pole : poles) {
-      if (!IsInside(pole, *band)) {
-        places.push_back(-1);
-        continue;
-      }
-      places.push_back(static_cast<int>(band->poles.size()));
-      band->poles.push_back({pole.order, pole.frequency(),
-                             FindPoleSigmas(pole, window_seconds).frequency,
-                             pole.damping_ratio(), -1});
-    }
-    return places;
-  }
-
-  void Keep(const Level& level, const std::vector<SubspacePole>& poles,
+  void Keep(const RecordAtRate& level, const std::vector<SubspacePole>& poles,
             const std::vector<SubspacePole>& checks, double window_seconds,
             AnalysedBand band) {
     const std::vector<int> places = AddPoles(poles, window_seconds, &band);
@@ -432,211 +374,15 @@ class ModeFinder {
       }
       IdentifiedMode mode = MakeMode(record_, level.scales, level.step, cluster,
                                      band.max_order, window_seconds);
-      MarkHarmonic(level, cluster.mean, &mode);
       if (!checks.empty()) {
         CheckMode(cluster, checks, band.max_order, options_.stabilisation,
                   &mode);
       }
-      found_.push_back({std::move(mode), number, std::move(members), sigma});
+      modes_.MarkHarmonic(level, cluster.mean, &mode);
+      modes_.Add({std::move(mode), number, std::move(members), sigma});
     }
     result_->bands.push_back(std::move(band));
   }
-
-  // Marks a mode whose damping may be zero and whose amplitude is constant.
-  void MarkHarmonic(const Level& level, const SubspacePole& pole,
-                    IdentifiedMode* mode) {
-    if (mode->damping_lower95 > 0.0) return;
-    const NarrowBand narrow =
-        FindNarrowBand(level.samples, level.step, pole.shape, pole.frequency());
-    mode->is_harmonic = IsSine(narrow);
-    if (!mode->is_harmonic) return;
-    result_->remarks.push_back(
-        "The vibration at " + FormatNumber(mode->frequency_hz, 5) +
-        " Hz is a harmonic, not a mode: its amplitude is constant, its "
-        "kurtosis "
-        "is " +
-        FormatNumber(narrow.kurtosis, 3) +
-        " (a sine has 1.5, random vibration 3), and its damping may be zero. "
-        "Set harmonics = true in [modes] to have it in modes.toml.");
-  }
-
-  // A rate at which the vibrations of a decay are fitted.
-  struct DecayFitLevel {
-    Level level;
-    int band = 0;
-    std::vector<SubspacePole> poles;
-    std::vector<int> places;  // of the poles in the band
-    std::vector<DecayTerm> terms;
-    std::vector<std::complex<double>> candidates;  // from lower rates
-    std::vector<std::complex<double>> picked;
-  };
-
-  // Looks for the vibrations of a decay at one rate. They are fitted at the
-  // highest rate that has not too many samples. Higher rates have a fit of
-  // their own; lower ones provide candidates.
-  void KeepDecay(const Level& level, std::vector<SubspacePole> poles,
-                 AnalysedBand band) {
-    std::vector<int> places = AddPoles(poles, 0.0, &band);
-    const std::vector<DecayTerm> terms =
-        FindDecayTerms(level.samples, level.step, poles, terms_);
-    terms_ = TermsAtHalfRate(terms, level.step);
-    std::vector<std::complex<double>> picked;
-    if (!options_.stabilisation.pick.empty()) {
-      for (const PoleCluster& cluster :
-           FindClusters(poles, band.max_order, 0.0, options_.stabilisation)) {
-        if (IsInside(cluster.mean, band)) picked.push_back(cluster.mean.s);
-      }
-    }
-    const int number = static_cast<int>(result_->bands.size());
-    if (joint_ == nullptr) {
-      joint_ =
-          std::make_unique<DecayFitLevel>(DecayFitLevel{level,
-                                                        number,
-                                                        std::move(poles),
-                                                        std::move(places),
-                                                        terms,
-                                                        {},
-                                                        std::move(picked)});
-    } else {
-      for (const DecayTerm& term : terms) {
-        SubspacePole pole;
-        pole.s = term.s;
-        if (term.vibrates() && !term.is_alias && IsInside(pole, band)) {
-          joint_->candidates.push_back(term.s);
-        }
-      }
-      joint_->picked.insert(joint_->picked.end(), picked.begin(), picked.end());
-    }
-    result_->bands.push_back(std::move(band));
-    if (level.samples.cols() > kMostJointSamples) FitDecays(level.lowest_hz);
-  }
-
-  // Fits the vibrations, if there is a rate to be fitted.
-  void FitDecays(double lowest_hz) {
-    if (joint_ == nullptr) return;
-    const DecayFitLevel job = std::move(*joint_);
-    joint_.reset();
-    AnalysedBand band = result_->bands[static_cast<size_t>(job.band)];
-    band.lowest_hz = lowest_hz;
-    if (!options_.stabilisation.pick.empty() && job.picked.empty()) return;
-    DecayModes modes = EstimateDecays(job.level.samples, job.level.step,
-                                      job.terms, job.candidates, job.picked);
-    if (found_.empty()) RemarkOnRest(modes.rest);
-    for (PoleCluster& cluster : modes.clusters) {
-      if (!IsInside(cluster.mean, band)) continue;
-      if (options_.stabilisation.pick.empty() && !IsListed(cluster)) continue;
-      cluster.first_order = band.max_order;
-      FindDecayMembers(job.poles, options_.stabilisation, &cluster);
-      std::vector<std::pair<int, int>> members;
-      for (const int member : cluster.members) {
-        const int place = job.places[static_cast<size_t>(member)];
-        if (place >= 0) members.emplace_back(job.band, place);
-      }
-      IdentifiedMode mode =
-          MakeMode(record_, job.level.scales, job.level.step, cluster,
-                   band.max_order, /*window_seconds=*/0.0);
-      MarkHarmonic(job.level, cluster.mean, &mode);
-      if (mode.damping_ratio <= 0.0 && !mode.is_harmonic) continue;
-      AddMembersOfLowerRates(job.band, &mode, &members);
-      found_.push_back({std::move(mode), job.band, std::move(members),
-                        cluster.frequency_sigma});
-    }
-  }
-
-  // Adds the poles of lower rates near the mode. Counts orders at the rate that
-  // sees it most often.
-  void AddMembersOfLowerRates(int band, IdentifiedMode* mode,
-                              std::vector<std::pair<int, int>>* members) const {
-    const double tolerance = options_.stabilisation.frequency_tolerance;
-    for (int b = band + 1; b < static_cast<int>(result_->bands.size()); ++b) {
-      const AnalysedBand& other = result_->bands[static_cast<size_t>(b)];
-      std::map<int, int> by_order;
-      for (size_t i = 0; i < other.poles.size(); ++i) {
-        const DiagramPole& pole = other.poles[i];
-        if (std::abs(pole.frequency_hz / mode->frequency_hz - 1.0) <=
-                tolerance &&
-            std::abs(pole.damping_ratio - mode->damping_ratio) <=
-                tolerance + mode->damping_ratio) {
-          by_order.insert({pole.order, static_cast<int>(i)});
-        }
-      }
-      for (const auto& [order, place] : by_order) {
-        members->emplace_back(b, place);
-      }
-      const int seen = static_cast<int>(by_order.size());
-      if (seen <= mode->orders_seen) continue;
-      mode->orders_seen = seen;
-      mode->orders_possible =
-          (other.max_order - by_order.begin()->first) / 2 + 1;
-    }
-  }
-
-  // Returns true for modes within the limits. Names the others.
-  bool IsListed(const PoleCluster& cluster) {
-    const double hz = cluster.mean.frequency();
-    const double ratio = cluster.mean.damping_ratio();
-    if (ratio > options_.stabilisation.largest_damping_ratio) {
-      result_->remarks.push_back(
-          "A vibration at " + FormatNumber(hz, 4) + " Hz has a damping of " +
-          FormatNumber(100.0 * ratio, 3) + " +- " +
-          FormatNumber(100.0 * cluster.damping_sigma, 2) +
-          " %, more than max_damping_ratio = " +
-          FormatNumber(options_.stabilisation.largest_damping_ratio, 3) +
-          ", and is not listed. Increase max_damping_ratio in [modes] to list "
-          "it.");
-      return false;
-    }
-    return ratio + 2.0 * cluster.damping_sigma > 0.0 &&
-           cluster.frequency_sigma <= kLargestDecaySigma * hz;
-  }
-
-  void RemarkOnRest(const Vector& rest) {
-    for (Eigen::Index c = 0; c < rest.size(); ++c) {
-      if (rest[c] < kLargestRest) continue;
-      result_->remarks.push_back(
-          "Channel '" + record_.channels[static_cast<size_t>(c)].name +
-          "': decaying vibrations leave " + FormatNumber(100.0 * rest[c], 2) +
-          " % of it. Does a load still act, or does the damping depend on the "
-          "amplitude?");
-    }
-  }
-
-  // Keeps the more certain of two estimates if two rates found the same mode.
-  void Merge() {
-    std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-      return a.mode.frequency_hz < b.mode.frequency_hz;
-    });
-    std::vector<Found> kept;
-    for (Found& next : found_) {
-      bool is_new = true;
-      for (Found& other : kept) {
-        if (other.band == next.band || !IsSameMode(other.mode, next.mode)) {
-          continue;
-        }
-        is_new = false;
-        if (next.sigma < other.sigma) {
-          other = next;
-        }
-        break;
-      }
-      if (is_new) kept.push_back(std::move(next));
-    }
-    for (size_t i = 0; i < kept.size(); ++i) {
-      for (const auto& [band, member] : kept[i].members) {
-        result_->bands[static_cast<size_t>(band)]
-            .poles[static_cast<size_t>(member)]
-            .mode = static_cast<int>(i);
-      }
-      result_->modes.push_back(std::move(kept[i].mode));
-    }
-  }
-
-  struct Found {
-    IdentifiedMode mode;
-    int band = 0;
-    std::vector<std::pair<int, int>> members;  // bands, and poles there
-    double sigma = 0.0;  // of the frequency, before it respects a bound
-  };
 
   const ResponseRecord& record_;
   const ModeIdentificationOptions& options_;
@@ -645,14 +391,11 @@ class ModeFinder {
   std::string option_;
   ModalMethod method_ = ModalMethod::kCovarianceDriven;
   WindowedCorrelations correlations_;  // of the rate that is looked at
-  // Decays: terms of higher rates as they are at the next rate, and the rate at
-  // which vibrations are fitted.
-  std::vector<DecayTerm> terms_;
-  std::unique_ptr<DecayFitLevel> joint_;
   std::vector<int> references_;
   double lowest_hz_ = 0.0;
   double highest_hz_ = 0.0;
-  std::vector<Found> found_;
+  ModeList modes_;
+  DecaySearch decays_;
 };
 
 }  // namespace
