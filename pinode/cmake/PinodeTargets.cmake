@@ -89,7 +89,7 @@ function(pinode_add_unit_test name folder label libraries)
     add_test(NAME ${folder}
       COMMAND ${name} --gtest_brief=1 --gtest_filter=-*Figures.*)
     set_tests_properties(${folder} PROPERTIES
-      LABELS ${label} COST ${num_sources} TIMEOUT 1200)
+      LABELS ${label} COST ${num_sources} TIMEOUT 1800)
     return()
   endif()
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES

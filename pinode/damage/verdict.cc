@@ -92,6 +92,8 @@ std::string Describe(const ChangeSubject& subject) {
       if (!subject.place.empty()) return "the damping of " + subject.place;
       break;
     case ChangeKind::kStiffness:
+      if (subject.place == "rest") return "what is in no group";
+      if (!subject.place.empty()) return "spring " + subject.place;
       break;
   }
   return subject.name;
@@ -151,6 +153,10 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
         missed.Hides(change.change)) {
       reason = Reason::kModelError;
     }
+    if (HasChanged(reason) && !estimate.has_between_records &&
+        j < missed.within_doubt.size() && missed.within_doubt[j]) {
+      reason = Reason::kOtherExplanation;
+    }
     reasons.push_back(reason);
   }
   return reasons;
@@ -159,7 +165,7 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
 // Findings in words, by their meaning.
 struct Findings {
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
-      unsure, unexplained, hidden;
+      unsure, unexplained, hidden, doubted;
   bool has_large_loss = false;  // among `damaged`
   // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
@@ -300,6 +306,9 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
       case Reason::kModelError:
         findings->hidden.push_back(Describe(subjects[j], change));
         break;
+      case Reason::kOtherExplanation:
+        findings->doubted.push_back(Describe(subjects[j], change));
+        break;
       case Reason::kUnexplained:
         findings->unexplained.push_back(Describe(subjects[j], change));
         break;
@@ -349,8 +358,8 @@ void Decide(const Findings& findings, const ChangeOptions& options,
   } else if (!findings.missed.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence = findings.missed;
-  } else if (!findings.hidden.empty() || !findings.unsure.empty() ||
-             !findings.unknown.empty()) {
+  } else if (!findings.hidden.empty() || !findings.doubted.empty() ||
+             !findings.unsure.empty() || !findings.unknown.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence = "These data cannot tell.";
   } else {
@@ -376,6 +385,14 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
                 ". What it misses depends on the motion; a second healthy "
                 "record, at the level of motion of the new one, would show by "
                 "how much.";
+  }
+  if (!findings.doubted.empty()) {
+    sentence +=
+        " The model lacks something, and what that may be reaches as far"
+        " as the change of " +
+        Join(findings.doubted) +
+        "; see what the model may lack, or give a second healthy "
+        "record.";
   }
   if (!findings.formal.empty()) {
     sentence +=

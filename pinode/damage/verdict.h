@@ -60,6 +60,9 @@ enum class Reason {
   // The change is smaller than the share of the motion that the model misses,
   // of healthy records too, and one baseline does not show how much that moves.
   kModelError,
+  // With one baseline: another explanation of what one of the two fits misses
+  // reaches as far as the change.
+  kOtherExplanation,
 };
 
 // Unexplained motion of a model, without noise, as fractions.
@@ -67,6 +70,10 @@ struct MissedMotion {
   double healthy = 0.0;  // of the baselines
   double groups = 0.0;   // of the new records, with groups alone
   double last = 0.0;     // with all found changes; 0: unknown
+  // Per subject, true if the value of one fit lies in the interval of the
+  // other, as wide as other explanations of what that misses reach. Empty: for
+  // none.
+  std::vector<bool> within_doubt;
 
   // True if much more is unexplained than in the baselines: part of the change
   // in the structure, its loads or its sensors is of a kind that was not
@@ -100,7 +107,8 @@ struct Judgement {
 //                 or a stiffness group that may have lost more than the
 //                 threshold with more than 5 % probability; or, whatever was
 //                 found, more motion is unexplained; or, with one baseline,
-//                 only changes smaller than what the model misses
+//                 only changes smaller than what the model misses or within
+//                 reach of other explanations of it
 //   no_damage     none, and none is possible
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,

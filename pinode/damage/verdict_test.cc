@@ -282,6 +282,28 @@ TEST(JudgeMissed, ANonlinearForceLeavesWhatItsFormDoes) {
       << "it is small beside what is left";
 }
 
+TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.24, 0.01, true), Change(0.0, 0.01, false),
+                     Change(0.0, 0.01, false)};
+  MissedMotion missed;
+  missed.within_doubt = {true, false, false};
+  const Judgement judgement =
+      JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(judgement.reasons[0], Reason::kOtherExplanation);
+  EXPECT_THAT(judgement.sentence, HasSubstr(kSubjects[0].name + " (-24 %)"));
+
+  missed.within_doubt = {false, true, true};
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+  // Several baselines show themselves how much records differ.
+  missed.within_doubt = {true, false, false};
+  estimate.has_between_records = true;
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+}
+
 TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
   ChangeEstimate estimate;
   estimate.groups = {Change(-0.24, 0.01, true), Change(0.0, 0.01, false),

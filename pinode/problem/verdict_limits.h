@@ -121,6 +121,14 @@ constexpr double kLogOdds = 2.995732273553991;
 // of the 95 % interval.
 constexpr double kShiftByExplanation = 1.0;
 
+// Parts of the records.
+
+// A part of the records contradicts the whole where it moves an unknown out of
+// its interval, by a hundredth of the value at least (of 1 for groups), and by
+// this many standard deviations.
+constexpr double kBlockDeviations = 4.0;
+constexpr double kBlockShare = 0.01;
+
 // The solution.
 
 // A damping ratio below minus this is negative by more than rounding.

@@ -50,7 +50,8 @@ bool StandsIn(const DamageResult& damage, size_t subject) {
   const std::vector<Reason>& reasons = damage.judgement.reasons;
   return subject < reasons.size() &&
          (reasons[subject] == Reason::kUnexplained ||
-          reasons[subject] == Reason::kModelError);
+          reasons[subject] == Reason::kModelError ||
+          reasons[subject] == Reason::kOtherExplanation);
 }
 
 // True if the interval is not centred on the value: that of a result that lacks

@@ -323,7 +323,8 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.parameter_values = result.values;
   const bool modes_alone =
       c.problem.num_train_records() == 0 && c.problem.ambient.empty();
-  if (!c.damage.masses.empty() || !c.damage.springs.empty() || modes_alone) {
+  if (!c.damage.masses.empty() || !c.damage.springs.empty() ||
+      c.damage.damping || c.damage.stiffness || modes_alone) {
     ReadFit(path("model.toml"), &read);
   }
   *baseline = std::move(read);

@@ -25,6 +25,8 @@ const char* ReasonName(Reason reason) {
       return "unexplained";
     case Reason::kModelError:
       return "model_error";
+    case Reason::kOtherExplanation:
+      return "other_explanation";
   }
   return "";
 }

@@ -24,7 +24,7 @@ TomlValue GroupTable(const ChangeCandidate& candidate) {
                                                candidate.masses.end()}));
   } else {
     std::vector<TomlValue> rows;
-    for (const auto& row : candidate.damping.rowwise()) {
+    for (const auto& row : candidate.matrix.rowwise()) {
       rows.push_back(TomlValue::Numbers({row.begin(), row.end()}));
     }
     matrix = TomlValue::Array(std::move(rows));

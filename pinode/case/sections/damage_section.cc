@@ -55,13 +55,14 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
   *search = DamageSearch();
   const TomlTable table = root.Table("damage", "[damage]");
   if (!table.AllowKeys({"kinds", "masses", "place"})) return false;
-  std::vector<std::string> kinds = {"mass", "damping", "nonlinear"};
+  std::vector<std::string> kinds = {"mass", "damping", "stiffness",
+                                    "nonlinear"};
   if (table.Has("kinds")) {
     for (const std::string& kind : table.Strings("kinds")) {
       if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
         return table.Fail("kinds", "'kinds' has '" + kind +
-                                       "', expected some of mass, damping and "
-                                       "nonlinear, or none" +
+                                       "', expected some of mass, damping, "
+                                       "stiffness and nonlinear, or none" +
                                        NameHint(kind, kinds));
       }
     }
@@ -85,6 +86,7 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
     search->masses = MeasuredMasses(problem);
   }
   search->damping = asked("damping") && HasFixedDamping(*problem.dynamics);
+  search->stiffness = asked("stiffness") && problem.num_train_records() > 0;
   if (table.Has("place")) {
     if (!ReadPlaces(table, model, search)) return false;
   } else if (asked("nonlinear")) {

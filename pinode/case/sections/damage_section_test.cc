@@ -90,7 +90,12 @@ TEST_F(DamageSection, TakesPlacesAsGiven) {
   ASSERT_TRUE(Read("[damage]\nkinds = []\n", &c)) << error_;
   EXPECT_TRUE(c.damage.masses.empty());
   EXPECT_TRUE(c.damage.springs.empty());
+  EXPECT_FALSE(c.damage.stiffness);
+  ASSERT_TRUE(Read("[damage]\nkinds = [\"stiffness\"]\n", &c)) << error_;
+  EXPECT_TRUE(c.damage.stiffness);
+  EXPECT_TRUE(c.damage.masses.empty());
   ASSERT_TRUE(Read("[damage]\nkinds = [\"mass\"]\n", &c)) << error_;
+  EXPECT_FALSE(c.damage.stiffness);
   EXPECT_EQ(c.damage.masses.size(), 2u);
   EXPECT_TRUE(c.damage.springs.empty());
 }

@@ -11,6 +11,7 @@
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/explanations/nonlinear_force.h"
+#include "pinode/study/explanations/ungrouped_stiffness.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/library_term.h"
 
@@ -28,8 +29,10 @@ GroupTerm MatrixTerm(const ChangeCandidate& candidate) {
     term.group.target = MatrixGroup::Target::kMass;
     term.group.matrix = candidate.masses.asDiagonal();
   } else {
-    term.group.target = MatrixGroup::Target::kDamping;
-    term.group.matrix = candidate.damping;
+    term.group.target = candidate.subject.kind == ChangeKind::kDamping
+                            ? MatrixGroup::Target::kDamping
+                            : MatrixGroup::Target::kStiffness;
+    term.group.matrix = candidate.matrix;
   }
   term.alpha.name = candidate.subject.name;
   term.alpha.prior_sigma = PriorOf(candidate);
@@ -48,7 +51,7 @@ std::vector<ChangeCandidate> DampingCandidates(const StructuralModel& model) {
     candidate.subject.name = name;
     candidate.subject.kind = ChangeKind::kDamping;
     candidate.subject.place = place;
-    candidate.damping = damping;
+    candidate.matrix = damping;
     candidates.push_back(std::move(candidate));
   };
   add("damping.all", "all modes", model.damping);
@@ -112,6 +115,17 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
   }
   if (search.damping) {
     for (ChangeCandidate& candidate : DampingCandidates(corrected)) {
+      candidates.push_back(std::move(candidate));
+    }
+  }
+  if (search.stiffness) {
+    for (UngroupedStiffness& part :
+         FindUngroupedStiffness(dynamics, corrected)) {
+      ChangeCandidate candidate;
+      candidate.subject.name = TermName("stiffness." + part.place);
+      candidate.subject.kind = ChangeKind::kStiffness;
+      candidate.subject.place = part.place;
+      candidate.matrix = std::move(part.matrix);
       candidates.push_back(std::move(candidate));
     }
   }

@@ -14,7 +14,8 @@
 namespace pinode {
 
 // Returns candidates at the places of `search`, which is valid: masses, factors
-// on the damping, and four nonlinear forces per spring,
+// on the damping, stiffness that is in no group, and four nonlinear forces per
+// spring,
 //
 //   opening    |d|            stiffness that differs by sign, as of a crack
 //   hardening  d^3            or softening

@@ -45,6 +45,8 @@ class ChangeCandidates : public ::testing::Test {
     search_ = LookEverywhere(problem_);
     EXPECT_TRUE(search_.damping);
     search_.damping = false;
+    EXPECT_TRUE(search_.stiffness);
+    search_.stiffness = false;
     search_.springs = {{"gap", 0, 1}};
     constexpr int kSamples = 2000;
     constexpr double kFrequency = 5.0;
@@ -103,11 +105,11 @@ TEST_F(ChangeCandidates, ChangeTheDampingAsAWholeAndByModes) {
   ASSERT_EQ(candidates.size(), 3u);
   const StructuralModel& model = problem_.dynamics->model();
   EXPECT_EQ(candidates[0].subject.name, "damping.all");
-  EXPECT_EQ(candidates[0].damping, model.damping);
+  EXPECT_EQ(candidates[0].matrix, model.damping);
   // Two modes with proportional damping have all of it.
   EXPECT_NEAR(
-      (candidates[1].damping + candidates[2].damping - model.damping).norm(),
-      0.0, 1e-9 * model.damping.norm());
+      (candidates[1].matrix + candidates[2].matrix - model.damping).norm(), 0.0,
+      1e-9 * model.damping.norm());
   IdentificationProblem extended;
   std::string error;
   ASSERT_TRUE(AddCandidates(problem_, candidates, &extended, &error)) << error;
@@ -115,6 +117,29 @@ TEST_F(ChangeCandidates, ChangeTheDampingAsAWholeAndByModes) {
             MatrixGroup::Target::kDamping);
   // Damping that is free already shows its change itself.
   EXPECT_FALSE(HasFixedDamping(*extended.dynamics));
+}
+
+TEST_F(ChangeCandidates, ChangeTheStiffnessThatIsNoGroup) {
+  search_ = DamageSearch();
+  search_.stiffness = true;
+  const std::vector<ChangeCandidate> candidates =
+      MakeChangeCandidates(problem_, search_, summary_, model_);
+  ASSERT_EQ(candidates.size(), 1u);
+  const StructuralModel& model = problem_.dynamics->model();
+  EXPECT_EQ(candidates[0].subject.kind, ChangeKind::kStiffness);
+  EXPECT_EQ(candidates[0].subject.place,
+            model.dof_names[0] + "-" + model.dof_names[1]);
+  EXPECT_EQ(candidates[0].matrix, 100.0 * SpringMatrix(2, 0, 1));
+  IdentificationProblem extended;
+  std::string error;
+  ASSERT_TRUE(AddCandidates(problem_, candidates, &extended, &error)) << error;
+  EXPECT_EQ(extended.dynamics->groups()[1].group.target,
+            MatrixGroup::Target::kStiffness);
+  // With the spring as a group there is nothing left.
+  problem_ = extended;
+  model_.parameters = ParameterLayout(problem_).InitialValues();
+  EXPECT_TRUE(
+      MakeChangeCandidates(problem_, search_, summary_, model_).empty());
 }
 
 TEST_F(ChangeCandidates, BecomeUnknownsOfTheProblem) {

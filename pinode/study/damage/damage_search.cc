@@ -126,7 +126,7 @@ bool HasFixedDamping(const StructuralDynamics& dynamics) {
 
 DamageSearch LookEverywhere(const IdentificationProblem& problem) {
   return {MeasuredMasses(problem), GroupSprings(*problem.dynamics),
-          HasFixedDamping(*problem.dynamics)};
+          HasFixedDamping(*problem.dynamics), problem.num_train_records() > 0};
 }
 
 }  // namespace pinode

@@ -32,6 +32,9 @@ struct DamageSearch {
   std::vector<SpringPlace> springs;
   // Look for a change of the model's damping, of the whole and of single modes.
   bool damping = false;
+  // Look for a change of stiffness that is in no free group: of each spring of
+  // a small model of springs, of others as a whole.
+  bool stiffness = false;
 
   // Checks that `model` has the DOFs. On failure *error names the place.
   [[nodiscard]] bool IsValid(const StructuralModel& model,
@@ -46,9 +49,10 @@ struct ChangeCandidate {
   double unit = 1.0;
   // kMass: mass per DOF added by a change of 1, in the model's unit of mass.
   Vector masses;
-  // kDamping: damping added by a change of 1, num_dofs x num_dofs: all that the
-  // model has, or that of a mode.
-  Matrix damping;
+  // kDamping, kStiffness: what is added by a change of 1, num_dofs x num_dofs:
+  // all damping that the model has, or that of a mode; the stiffness of a
+  // spring.
+  Matrix matrix;
   // kNonlinear: a function of the deformation from `from` to `to` and its rate.
   int from = Feature::kGround;
   int to = Feature::kGround;

@@ -86,14 +86,23 @@ bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
   return true;
 }
 
+namespace {
+
+// True for a change of what the equation of motion is linear in, and that the
+// model has: 1 + alpha of it is present.
+bool IsFactor(const ChangeCandidate& candidate) {
+  return candidate.subject.kind == ChangeKind::kMass ||
+         candidate.subject.kind == ChangeKind::kStiffness;
+}
+
+}  // namespace
+
 void ToLogarithms(size_t num_groups,
                   const std::vector<ChangeCandidate>& candidates,
                   std::vector<GroupState>* states) {
   const std::vector<bool> gone = NearlyGone(*states);
   for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
-    if (gone[j] ||
-        (j >= num_groups &&
-         candidates[j - num_groups].subject.kind != ChangeKind::kMass)) {
+    if (gone[j] || (j >= num_groups && !IsFactor(candidates[j - num_groups]))) {
       continue;
     }
     const Eigen::Index i = static_cast<Eigen::Index>(j);

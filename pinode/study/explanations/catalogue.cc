@@ -10,6 +10,7 @@
 #include "pinode/dynamics/feature.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/explanations/nonlinear_force.h"
+#include "pinode/study/explanations/ungrouped_stiffness.h"
 
 namespace pinode {
 namespace {
@@ -17,9 +18,6 @@ namespace {
 using Kind = Suspect::Kind;
 using Target = MatrixGroup::Target;
 
-// Largest number of DOFs for which each mass and spring is a suspect. The cost
-// of the score tests grows with the number of candidates.
-constexpr int kMostPlaces = 40;
 // Least damping ratio on which a factor per mode is based.
 constexpr double kLeastRatio = 0.005;
 
@@ -33,44 +31,6 @@ GroupTerm FactorGroup(const std::string& name, Target target,
   // The prior only keeps undetermined factors from growing.
   term.alpha.prior_sigma = 1.0;
   return term;
-}
-
-// Name of a DOF, or "ground".
-std::string NameOf(const StructuralModel& model, int dof) {
-  return dof == Feature::kGround ? "ground"
-                                 : model.dof_names[static_cast<size_t>(dof)];
-}
-
-// Spring between two DOFs, or a DOF and the ground.
-struct Spring {
-  int from = Feature::kGround;
-  int to = 0;
-  double stiffness = 0.0;
-};
-
-// Returns the springs of a small model whose stiffness matrix consists of them,
-// else none.
-std::vector<Spring> SpringsOf(const StructuralModel& model) {
-  const Matrix& k = model.stiffness;
-  const int size = model.num_dofs();
-  std::vector<Spring> springs;
-  if (size > kMostPlaces) return springs;
-  constexpr double kRounding = 1e-9;
-  const double largest = k.cwiseAbs().maxCoeff();
-  for (int i = 0; i < size; ++i) {
-    for (int j = 0; j < i; ++j) {
-      if (k(i, j) > kRounding * largest) return springs;
-    }
-    if (k.row(i).sum() < -kRounding * largest) return springs;
-  }
-  for (int to = 0; to < size; ++to) {
-    for (int from = Feature::kGround; from < to; ++from) {
-      const double stiffness =
-          from == Feature::kGround ? k.row(to).sum() : -k(to, from);
-      if (stiffness > 1e-6 * largest) springs.push_back({from, to, stiffness});
-    }
-  }
-  return springs;
 }
 
 // Mean strain energy of a spring over the training records of `fit`, times two.
@@ -98,7 +58,7 @@ class Catalogue {
   std::vector<Suspect> Make() {
     AddDampings();
     AddMasses();
-    AddSprings();
+    AddUngroupedStiffness();
     AddGroups();
     AddClockRate();
     AddSensorSuspects(problem_, &suspects_);
@@ -116,7 +76,7 @@ class Catalogue {
     return &suspects_.back();
   }
 
-  std::string Dof(int j) const { return NameOf(corrected_, j); }
+  std::string Dof(int j) const { return PlaceName(corrected_, j); }
 
   void AddDampings() {
     const Matrix& damping = corrected_.damping;
@@ -183,58 +143,14 @@ class Catalogue {
     }
   }
 
-  // The springs that are no groups; of a matrix that has none, all of it that
-  // is in no free group.
-  void AddSprings() {
-    const int size = corrected_.num_dofs();
-    const std::vector<Spring> springs = SpringsOf(corrected_);
-    if (springs.empty()) AddRestOfStiffness();
-    for (const Spring& spring : springs) {
-      const Matrix matrix =
-          spring.stiffness * SpringMatrix(size, spring.from, spring.to);
-      if (IsGroup(matrix)) continue;
-      const std::string start = NameOf(corrected_, spring.from);
-      const std::string place = start + "-" + Dof(spring.to);
-      Suspect* suspect =
-          Add(Kind::kStiffness, place,
-              "the stiffness between " + start + " and " + Dof(spring.to));
-      suspect->groups = {
-          FactorGroup("stiffness." + place, Target::kStiffness, matrix)};
+  void AddUngroupedStiffness() {
+    for (const UngroupedStiffness& part :
+         FindUngroupedStiffness(dynamics_, corrected_)) {
+      Suspect* suspect = Add(Kind::kStiffness, part.place, part.what);
+      suspect->groups = {FactorGroup("stiffness." + part.place,
+                                     Target::kStiffness, part.matrix)};
       suspect->usual = 0.2;
     }
-  }
-
-  void AddRestOfStiffness() {
-    Matrix rest = dynamics_.model().stiffness;
-    bool any = false;
-    for (const GroupTerm& term : dynamics_.groups()) {
-      if (term.group.target != Target::kStiffness || !term.alpha.free) continue;
-      rest -= term.present * term.group.matrix;
-      any = true;
-    }
-    const double size = dynamics_.model().stiffness.norm();
-    // The sum of the groups may differ from the whole by the digits of files.
-    constexpr double kDigits = 1e-4;
-    if (!any || !(rest.norm() > kDigits * size)) return;
-    Suspect* suspect = Add(Kind::kStiffness, "rest",
-                           "the stiffness of all that is in no free group");
-    suspect->groups = {FactorGroup("stiffness.rest", Target::kStiffness, rest)};
-    suspect->usual = 0.2;
-  }
-
-  // True if a constant group of the problem is `stiffness` times a number.
-  bool IsGroup(const Matrix& stiffness) const {
-    const std::vector<GroupTerm>& groups = dynamics_.groups();
-    return std::any_of(
-        groups.begin(), groups.end(), [&](const GroupTerm& term) {
-          if (term.group.target != Target::kStiffness ||
-              term.follows != GroupTerm::Follows::kNothing) {
-            return false;
-          }
-          const Matrix& matrix = term.group.matrix;
-          const double product = matrix.cwiseProduct(stiffness).sum();
-          return product >= (1.0 - 1e-9) * matrix.norm() * stiffness.norm();
-        });
   }
 
   // Groups that the user has fixed, or whose bounds they have reached.
@@ -327,8 +243,8 @@ std::vector<Suspect> MakeForceSuspects(const IdentificationProblem& problem,
   if (ranked.size() > most_places) ranked.resize(most_places);
   std::vector<Suspect> suspects;
   for (const auto& [unused, spring] : ranked) {
-    const std::string start = NameOf(corrected, spring.from);
-    const std::string end = NameOf(corrected, spring.to);
+    const std::string start = PlaceName(corrected, spring.from);
+    const std::string end = PlaceName(corrected, spring.to);
     const std::string place = start + "-" + end;
     for (NonlinearForce& force :
          NonlinearForcesAt(corrected, fit, spring.from, spring.to,

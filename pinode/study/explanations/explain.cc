@@ -8,6 +8,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/study/explanations/block_estimates.h"
 #include "pinode/study/explanations/confusions.h"
 #include "pinode/study/explanations/refit_search.h"
 #include "pinode/study/terms/term_worth.h"
@@ -265,7 +266,15 @@ Explained Explain(const IdentificationProblem& problem,
   if (!CanExplain(problem, options)) return {};
   RefitSearch search(problem, options, fit, model, inner);
   if (!search.Run()) return {};
-  return Report(problem, fit, search).Make();
+  Explained result = Report(problem, fit, search).Make();
+  BlockEstimates blocks;
+  if (EstimateBlocks(problem, fit, model, options.num_threads, &blocks)) {
+    WidenByBlocks(blocks, fit, problem, &result.intervals);
+    for (Finding& finding : CheckBlocks(blocks, fit, problem)) {
+      result.findings.push_back(std::move(finding));
+    }
+  }
+  return result;
 }
 
 }  // namespace pinode

@@ -23,21 +23,6 @@ bool IsAtBound(const FitSummary& fit, const std::string& name) {
                      });
 }
 
-// Share of the residuals' energy in the training records that is noise. All of
-// it where that is not known.
-double NoiseOf(const FitSummary& fit) {
-  double share = 0.0;
-  int count = 0;
-  for (const RecordScore& score : fit.records) {
-    if (score.role != IdentificationRecord::Role::kTrain) continue;
-    const double own = NoiseShareOf(score);
-    share += std::isfinite(own) ? own : 1.0;
-    ++count;
-  }
-  constexpr double kLeast = 1e-6;
-  return count == 0 ? 1.0 : std::max(share / count, kLeast);
-}
-
 // The cost around the fit, scaled to a unit diagonal of its Hessian, with the
 // problem's unknowns eliminated.
 class Information {
@@ -115,7 +100,7 @@ class Information {
 void AddUsual(const FitSummary& fit, const ParameterLayout& layout,
               const CondensedSystem& system, const std::vector<int>& base,
               const std::vector<Suspect>& suspects, SuspectScores* scores) {
-  const double weight = 1.0 / NoiseOf(fit);
+  const double weight = 1.0 / NoiseShareOfTraining(fit);
   std::vector<int> all = base;
   std::vector<double> prior(base.size(), 0.0);
   for (const Suspect& suspect : suspects) {
@@ -152,6 +137,19 @@ void AddUsual(const FitSummary& fit, const ParameterLayout& layout,
 }
 
 }  // namespace
+
+double NoiseShareOfTraining(const FitSummary& fit) {
+  double share = 0.0;
+  int count = 0;
+  for (const RecordScore& score : fit.records) {
+    if (score.role != IdentificationRecord::Role::kTrain) continue;
+    const double own = NoiseShareOf(score);
+    share += std::isfinite(own) ? own : 1.0;
+    ++count;
+  }
+  constexpr double kLeast = 1e-6;
+  return count == 0 ? 1.0 : std::max(share / count, kLeast);
+}
 
 bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
                    const IdentifiedModel& model,

@@ -40,6 +40,11 @@ struct SuspectScores {
   Vector usual_deviations;
 };
 
+// Returns the share of the residuals' energy in the training records that is
+// noise: what has no memory from sample to sample. All of it where that is not
+// known.
+double NoiseShareOfTraining(const FitSummary& fit);
+
 // Scores all suspects by one linearisation of `problem` with all their unknowns
 // at its fit (`fit`, `model`). Exchanges of sensors have no score: their gain
 // is 0. Unknowns at a bound are kept there. Returns false, with *error, if the

@@ -17,8 +17,6 @@
 namespace pinode {
 namespace {
 
-// The steps of one identification; what stands is in problem_, fit_, model_,
-// choice_ and reduced_.
 // Widens the intervals of a result that lacks something.
 void Widen(const std::vector<ExplainedValue>& intervals,
            std::vector<ParameterEstimate>* parameters) {
@@ -31,6 +29,8 @@ void Widen(const std::vector<ExplainedValue>& intervals,
   }
 }
 
+// The steps of one identification; what stands is in problem_, fit_, model_,
+// choice_ and reduced_.
 class MainJob {
  public:
   MainJob(IdentificationProblem problem, const IdentificationOptions& options,
