@@ -42,6 +42,7 @@ struct Result {
   Vector values;
   std::vector<std::string> free;  // the free ones, in the covariance's order
   std::vector<std::string> undetermined;
+  std::vector<ExplainedValue> doubts;  // as in Baseline
 };
 
 bool ReadResult(const std::string& path, Result* result, std::string* error) {
@@ -65,6 +66,8 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
              "), expected one of a healthy record that is";
     return false;
   }
+  const bool with_care =
+      json.value("verdict", Json()) == GradeName(Grade::kWithCare);
   std::vector<double> values;
   for (const Json& parameter : json["parameters"]) {
     if (!parameter.is_object() ||
@@ -77,6 +80,12 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
     result->names.push_back(parameter["name"]);
     values.push_back(parameter["value"]);
     if (parameter["free"] == true) result->free.push_back(parameter["name"]);
+    const Json lower = parameter.value("lower95", Json());
+    const Json upper = parameter.value("upper95", Json());
+    if (with_care && lower.is_number() && upper.is_number()) {
+      result->doubts.push_back(
+          {parameter["name"], parameter["value"], lower, upper});
+    }
   }
   const Json undetermined = json.value("undetermined", Json::array());
   for (const Json& direction : undetermined) {
@@ -318,6 +327,7 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   }
   read.with_followers.covariance = table.values(rows, rows);
   read.undetermined = result.undetermined;
+  read.doubts = std::move(result.doubts);
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;

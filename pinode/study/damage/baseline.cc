@@ -52,6 +52,15 @@ std::string FollowingText(const std::string& covariate, double reference,
   return text;
 }
 
+std::vector<ExplainedValue> IntervalsOf(const FitSummary& summary) {
+  std::vector<ExplainedValue> intervals;
+  for (const ParameterEstimate& estimate : summary.parameters) {
+    intervals.push_back(
+        {estimate.name, estimate.value, estimate.lower95, estimate.upper95});
+  }
+  return intervals;
+}
+
 std::map<std::string, std::string> FollowingTexts(
     const StructuralDynamics& dynamics) {
   std::map<std::string, std::string> texts;
@@ -114,6 +123,9 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
   }
   result.parameter_values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
+  if (summary.verdict.grade() == Grade::kWithCare) {
+    result.doubts = IntervalsOf(summary);
+  }
   HealthyFit fit;
   fit.problem = problem;
   fit.summary = summary;

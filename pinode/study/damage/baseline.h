@@ -53,6 +53,10 @@ struct Baseline {
   std::vector<std::string> parameter_names;
   Vector parameter_values;
 
+  // Intervals of named parameters of a result that is usable with care: as wide
+  // as what the model may lack. Empty for others.
+  std::vector<ExplainedValue> doubts;
+
   // Fit of the baseline. Null if only the groups' values are known, with the
   // reason as half a sentence in `why_no_fit`.
   std::shared_ptr<const HealthyFit> fit;
@@ -76,6 +80,9 @@ std::string FollowingText(const std::string& covariate, double reference,
 // Returns the texts by the names of all such parameters of `dynamics`.
 std::map<std::string, std::string> FollowingTexts(
     const StructuralDynamics& dynamics);
+
+// Returns the values and intervals of the named parameters.
+std::vector<ExplainedValue> IntervalsOf(const FitSummary& summary);
 
 // Makes a baseline from a usable fit of baseline records with a covariance.
 // Returns false, with *error, if the fit is not usable, or if no group is free.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -106,7 +105,7 @@ class Analyst {
     std::string why;
     verdict_ = summary.verdict;
     choice_ = summary.choice;
-    judged_ = summary.parameters;
+    judged_ = IntervalsOf(summary);
     const bool kinds =
         !candidates_.empty() && healthy_records_.Refit(&inner_, &why) &&
         LookForKinds(&why) && (found_.empty() || IdentifyWithFound(&why));
@@ -224,7 +223,7 @@ class Analyst {
       return false;
     }
     verdict_ = std::move(found.summary.verdict);
-    judged_ = found.summary.parameters;
+    judged_ = IntervalsOf(found.summary);
     choice_ = std::move(found.summary.choice);
     fit_of_new_ = {kNewRecords, std::move(found.problem),
                    std::move(found.summary), std::move(found.model)};
@@ -332,25 +331,22 @@ class Analyst {
                                 const ChangeOptions& options) const {
     std::vector<bool> within(groups_.size(), false);
     if (healthy.size() != 1) return within;
-    const std::shared_ptr<const HealthyFit>& fit = baselines_[0].fit;
     for (size_t j = 0; j < groups_.size(); ++j) {
       const double before = healthy[0].values[static_cast<Eigen::Index>(j)];
       const double change = result_.estimate.groups[j].change;
       const double moved =
           options.absolute[j] ? change : (1.0 + before) * change;
-      within[j] =
-          (verdict_.grade() == Grade::kWithCare &&
-           Reaches(judged_, groups_[j], -moved)) ||
-          (fit != nullptr && fit->summary.verdict.grade() == Grade::kWithCare &&
-           Reaches(fit->summary.parameters, groups_[j], moved));
+      within[j] = (verdict_.grade() == Grade::kWithCare &&
+                   Reaches(judged_, groups_[j], -moved)) ||
+                  Reaches(baselines_[0].doubts, groups_[j], moved);
     }
     return within;
   }
   // True if the interval of an estimate holds its value plus `shift`.
-  static bool Reaches(const std::vector<ParameterEstimate>& estimates,
+  static bool Reaches(const std::vector<ExplainedValue>& intervals,
                       const std::string& name, double shift) {
-    return std::any_of(estimates.begin(), estimates.end(),
-                       [&](const ParameterEstimate& estimate) {
+    return std::any_of(intervals.begin(), intervals.end(),
+                       [&](const ExplainedValue& estimate) {
                          return estimate.name == name &&
                                 estimate.value + shift >= estimate.lower95 &&
                                 estimate.value + shift <= estimate.upper95;
@@ -536,7 +532,7 @@ class Analyst {
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, intervals and choice of the result in fit_of_new_.
   Verdict verdict_;
-  std::vector<ParameterEstimate> judged_;
+  std::vector<ExplainedValue> judged_;
   ModelChoice choice_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.
