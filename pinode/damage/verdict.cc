@@ -350,7 +350,8 @@ void Decide(const Findings& findings, const ChangeOptions& options,
           " These records do not show which: their probabilities are " +
           findings.probabilities + ".";
     }
-  } else if (!findings.other.empty()) {
+  } else if (!findings.other.empty() && findings.doubted.empty() &&
+             findings.hidden.empty()) {
     judgement->verdict = DamageVerdict::kOtherChange;
     judgement->sentence = "No loss of stiffness, but " + Join(findings.other) +
                           (findings.other.size() > 1 ? " have" : " has") +
@@ -371,7 +372,8 @@ void Decide(const Findings& findings, const ChangeOptions& options,
 
 void AddDetails(const Findings& findings, Judgement* judgement) {
   std::string& sentence = judgement->sentence;
-  if ((!findings.damaged.empty() || !findings.nonlinear.empty()) &&
+  const bool is_open = !findings.doubted.empty() || !findings.hidden.empty();
+  if ((!findings.damaged.empty() || !findings.nonlinear.empty() || is_open) &&
       !findings.other.empty()) {
     sentence += " Also changed: " + Join(findings.other) + ".";
   }

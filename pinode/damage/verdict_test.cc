@@ -294,6 +294,14 @@ TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
   EXPECT_EQ(judgement.reasons[0], Reason::kOtherExplanation);
   EXPECT_THAT(judgement.sentence, HasSubstr(kSubjects[0].name + " (-24 %)"));
 
+  // Beside a loss that is open, a gain is no all-clear.
+  estimate.groups[1] = Change(1.4, 0.01, true);
+  const Judgement beside =
+      JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(beside.verdict, DamageVerdict::kCannotTell);
+  EXPECT_THAT(beside.sentence, HasSubstr("Also changed: " + kSubjects[1].name));
+  estimate.groups[1] = Change(0.0, 0.01, false);
+
   missed.within_doubt = {false, true, true};
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
             DamageVerdict::kDamage);
