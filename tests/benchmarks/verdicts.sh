@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The board of verdicts: random structures with hidden faults, and the cases of
-# this project and of the measured data, one line each and a table of what was
-# wrong, named and covered.
+# The board of verdicts: random structures with hidden faults, the cases of this
+# project and of the measured data, one line each and a table of what was wrong,
+# named and covered, and measured frames in which nothing or much has changed.
 #
 #   tests/benchmarks/verdicts.sh [COUNT]
 #
@@ -15,7 +15,8 @@ build=${PINODE_BUILD_DIR:-build-release}
 if [[ -z ${PINODE_BUILD_DIR:-} ]]; then
   apps/install_packages.sh apps/packages.txt tests/packages.txt
   cmake --preset release >/dev/null
-  cmake --build --preset release --parallel "$(nproc)" --target pinode_update
+  cmake --build --preset release --parallel "$(nproc)" --target pinode_update \
+    pinode_damage_program
 fi
 update=$build/apps/pinode_update
 python=${PYTHON:-python3}
@@ -49,3 +50,7 @@ except OSError:
     print(f"  {name:45s} refused     {seconds:>4s} s")
 END
 done
+
+echo
+echo "Measured frames"
+"$python" tests/benchmarks/verdicts/measured.py "$build/apps" "$measured"
