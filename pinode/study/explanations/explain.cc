@@ -97,7 +97,7 @@ class Report {
     }
   }
 
-  static void AddFinding(Explained* result) {
+  void AddFinding(Explained* result) const {
     for (const Explanation& explanation : result->explanations) {
       // Explanations with about the odds of the best cannot be told from it.
       if (explanation.log_odds < limits::kLogOdds ||
@@ -108,16 +108,23 @@ class Report {
       if (!(explanation.shift > limits::kShiftByExplanation)) continue;
       result->findings.push_back(
           {"another_explanation",
-           explanation.what +
-               " would describe the records better, and would "
-               "move '" +
-               explanation.moved + "' by " +
-               FormatNumber(explanation.shift, 2) +
-               " half-widths of its interval",
+           explanation.what + " would describe the records better, with '" +
+               explanation.moved + "' at " + ValueUnder(explanation),
            explanation.shift, limits::kShiftByExplanation,
            "check it, or free it", Grade::kWithCare});
       break;
     }
+  }
+
+  // "-0.102 in place of -0.0519", of the parameter that it moves most.
+  std::string ValueUnder(const Explanation& explanation) const {
+    const ParameterEstimate* own = FindEstimate(fit_, explanation.moved);
+    for (const ExplainedValue& value : explanation.values) {
+      if (own == nullptr || value.name != explanation.moved) continue;
+      return FormatNumber(value.value, 3) + " in place of " +
+             FormatNumber(own->value, 3);
+    }
+    return "another value";
   }
 
   Explanation Describe(const Refit& refit) const {
@@ -127,7 +134,8 @@ class Report {
       const Suspect& suspect = suspects_[i];
       kinds.push_back(SuspectKindName(suspect.kind));
       places.push_back(suspect.place);
-      whats.push_back(suspect.what + ValueText(suspect, refit.fit));
+      whats.push_back(WhatOf(suspect, refit.fit) +
+                      ValueText(suspect, refit.fit));
     }
     result.kind = Join(kinds, "+");
     result.place = places.size() == 1 ? places[0] : Join(places, "+");
@@ -190,6 +198,17 @@ class Report {
       result.unit = "%";
     }
     return result;
+  }
+
+  // In words. A spring that hardens by less than nothing softens.
+  static std::string WhatOf(const Suspect& suspect, const FitSummary& fit) {
+    const std::string hardening = "hardening";
+    if (suspect.kind == Suspect::Kind::kNonlinear &&
+        suspect.what.compare(0, hardening.size(), hardening) == 0 &&
+        IntervalOf(suspect, fit).value < 0.0) {
+      return "softening" + suspect.what.substr(hardening.size());
+    }
+    return suspect.what;
   }
 
   // ", +31 (29 to 33) %"; empty for several unknowns or none.
