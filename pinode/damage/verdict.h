@@ -73,7 +73,7 @@ struct MissedMotion {
   // Per subject, true if the value of one fit lies in the interval of the
   // other, as wide as other explanations of what that misses reach. Empty: for
   // none.
-  std::vector<bool> within_doubt;
+  std::vector<bool> within_doubt = {};
 
   // True if much more is unexplained than in the baselines: part of the change
   // in the structure, its loads or its sensors is of a kind that was not

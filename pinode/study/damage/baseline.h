@@ -55,7 +55,7 @@ struct Baseline {
 
   // Intervals of named parameters of a result that is usable with care: as wide
   // as what the model may lack. Empty for others.
-  std::vector<ExplainedValue> doubts;
+  std::vector<ExplainedValue> doubts = {};
 
   // Fit of the baseline. Null if only the groups' values are known, with the
   // reason as half a sentence in `why_no_fit`.
