@@ -5,13 +5,11 @@
 namespace pinode {
 namespace {
 
-using Target = MatrixGroup::Target;
-
 // True if a constant group is `stiffness` times a number.
 bool IsGroup(const StructuralDynamics& dynamics, const Matrix& stiffness) {
   const std::vector<GroupTerm>& groups = dynamics.groups();
   return std::any_of(groups.begin(), groups.end(), [&](const GroupTerm& term) {
-    if (term.group.target != Target::kStiffness ||
+    if (term.group.target != MatrixGroup::Target::kStiffness ||
         term.follows != GroupTerm::Follows::kNothing) {
       return false;
     }
@@ -26,7 +24,9 @@ std::vector<UngroupedStiffness> Rest(const StructuralDynamics& dynamics) {
   Matrix rest = dynamics.model().stiffness;
   bool any = false;
   for (const GroupTerm& term : dynamics.groups()) {
-    if (term.group.target != Target::kStiffness || !term.alpha.free) continue;
+    if (term.group.target != MatrixGroup::Target::kStiffness ||
+        !term.alpha.free)
+      continue;
     rest -= term.present * term.group.matrix;
     any = true;
   }
