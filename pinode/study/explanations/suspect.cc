@@ -91,31 +91,30 @@ Suspect::SensorUnknown UnknownGain(
 }
 
 const char* SuspectKindName(Suspect::Kind kind) {
-  using Kind = Suspect::Kind;
   switch (kind) {
-    case Kind::kDamping:
+    case Suspect::Kind::kDamping:
       return "damping";
-    case Kind::kMass:
+    case Suspect::Kind::kMass:
       return "mass";
-    case Kind::kStiffness:
+    case Suspect::Kind::kStiffness:
       return "stiffness";
-    case Kind::kBound:
+    case Suspect::Kind::kBound:
       return "bound";
-    case Kind::kNonlinear:
+    case Suspect::Kind::kNonlinear:
       return "nonlinear";
-    case Kind::kSensorGain:
+    case Suspect::Kind::kSensorGain:
       return "sensor_gain";
-    case Kind::kSensorDelay:
+    case Suspect::Kind::kSensorDelay:
       return "sensor_delay";
-    case Kind::kSensorOffset:
+    case Suspect::Kind::kSensorOffset:
       return "sensor_offset";
-    case Kind::kExcitationDelay:
+    case Suspect::Kind::kExcitationDelay:
       return "excitation_delay";
-    case Kind::kExcitationScale:
+    case Suspect::Kind::kExcitationScale:
       return "excitation_scale";
-    case Kind::kClockRate:
+    case Suspect::Kind::kClockRate:
       return "clock_rate";
-    case Kind::kExchange:
+    case Suspect::Kind::kExchange:
       return "sensors_exchanged";
   }
   return "";
