@@ -27,6 +27,7 @@ The case file and what a result folder holds are described in
 beside the other documents of pinode.
 
 [SEE ALSO]
+.BR pinode_new (1),
 .BR pinode_check (1),
 .BR pinode_simulate (1),
 .BR pinode_update (1),

@@ -69,13 +69,18 @@ std::string FlagName(const std::string& argument, std::string* value,
 
 }  // namespace
 
-bool ParseFlags(int argc, char** argv, const std::string& usage, int* status) {
+bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
+                std::vector<std::string>* files) {
   *status = kExitBadInput;
   std::set_terminate(OnTerminate);
   ReturnFreedMemory();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.size() < 2 || argument[0] != '-') {
+      if (files != nullptr) {
+        files->push_back(argument);
+        continue;
+      }
       Refuse("'" + argument + "' is not a flag; see --help");
       return false;
     }

@@ -4,6 +4,7 @@
 #define PINODE_APPS_PROGRAM_H_
 
 #include <string>
+#include <vector>
 
 #include "pinode/case/results/result_folder.h"
 
@@ -24,9 +25,11 @@ int RunProgram(int argc, char** argv);
 // gflags' own parser exits with status 1 for help and errors alike, so names
 // and values are checked here. Returns true if the program is to continue.
 // Otherwise *status is its exit status: kExitDone after --help or --version,
-// kExitBadInput after one line about the error.
+// kExitBadInput after one line about the error. Arguments that are no flags go
+// to `files`; without it they are refused.
 [[nodiscard]] bool ParseFlags(int argc, char** argv, const std::string& usage,
-                              int* status);
+                              int* status,
+                              std::vector<std::string>* files = nullptr);
 
 // Prints `message` as one line of an error and returns kExitBadInput.
 int Refuse(const std::string& message);

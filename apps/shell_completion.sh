@@ -4,14 +4,16 @@
 #
 #   apps/shell_completion.sh PROGRAM
 #
-# A flag whose value --help calls FILE is completed with files, FOLDER... with
-# folders; a flag without a value also as --noflag.
+# A flag whose value --help calls FILE is completed with files, and so are the
+# arguments of a program that takes LOG...; FOLDER... is completed with folders;
+# a flag without a value also as --noflag.
 set -euo pipefail
 
 program=$1
 command=$(basename -- "$program")
 
 "$program" --help | awk -v command="$command" '
+  /^Usage: .* LOG/ { takes_files = 1 }
   /^  --/ {
     flag = $1
     equals = index(flag, "=")
@@ -39,6 +41,7 @@ command=$(basename -- "$program")
     if (folders) print "    " substr(folders, 2) ") _filedir -d; return ;;"
     if (others) print "    " substr(others, 2) ") return ;;"
     print "  esac"
+    if (takes_files) print "  [[ $cur == -* ]] || { _filedir; return; }"
     print "  COMPREPLY=($(compgen -W \"" \
       substr(valued switches, 2) "\" -- \"$cur\"))"
     print "  [[ ${COMPREPLY-} == *= ]] && compopt -o nospace"

@@ -56,7 +56,7 @@ awk '
     rooms["record"] = ". files"
     rooms["estimate"] = "solver shooting start ambient objective certainty fit ."
     rooms["study"] = "problem reduction terms explanations identify laws sensors damage picture"
-    rooms["case"] = "text sections results run"
+    rooms["case"] = "text sections draft results run"
     rooms["python"] = "binding"
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics modal integrate " \

@@ -31,8 +31,8 @@ vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/pinode)
 if("tools" IN_LIST FEATURES)
   vcpkg_copy_tools(AUTO_CLEAN TOOL_NAMES
-    pinode_check pinode_damage pinode_discover pinode_modes pinode_simulate
-    pinode_update)
+    pinode_check pinode_damage pinode_discover pinode_modes pinode_new
+    pinode_simulate pinode_update)
 endif()
 file(REMOVE_RECURSE "${CURRENT_PACKAGES_DIR}/debug/include"
   "${CURRENT_PACKAGES_DIR}/debug/share")

@@ -1,0 +1,100 @@
+// A first case for the records of loggers: what it says, and how it follows
+// from the files and a user's answers.
+
+#ifndef PINODE_CASE_DRAFT_CASE_DRAFT_H_
+#define PINODE_CASE_DRAFT_CASE_DRAFT_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/units.h"
+#include "pinode/case/draft/log_file.h"
+
+namespace pinode {
+
+// Answers of a user. Each member is the flag of this name; empty: not given.
+struct DraftRequest {
+  // Files of the structure as it is now, and of a later state.
+  std::vector<std::string> logs;
+  std::vector<std::string> later_logs;
+  // File that is held out of the fit, or "none". Default: the last of several.
+  std::string holdout;
+  // Case files to be written, for both states.
+  std::string case_path = "case.toml";
+  std::string later_case_path = "case_later.toml";
+
+  std::string title;
+  std::string storeys;
+  std::string weights;
+  std::string stiffness;
+  std::string first_mode_hz;
+  std::string damping_ratio = "0.02";
+
+  std::string base;     // a column, or "none"
+  std::string sensors;  // "acc_1=1,acc_2=-2": floors, "-": upside down
+  std::string ignore;   // columns, separated by commas
+  std::string unit;     // of columns whose unit the files do not state
+  LogOptions time;      // of all files
+};
+
+// One signal of a record.
+struct DraftSignal {
+  std::string column;
+  std::string unit;
+  bool unit_is_stated = false;  // by the file
+  int floor = 0;                // 0: the base
+  bool is_by_name = false;      // place found by the column's name
+  bool is_upside_down = false;
+  bool remove_offset = false;
+};
+
+struct DraftRecord {
+  std::string name;
+  std::string file;  // as the user gave it
+  bool is_holdout = false;
+  bool starts_at_rest = false;
+  double step = 0.0;      // s
+  double duration = 0.0;  // s
+  std::string time_column;
+  std::string time_unit;
+  double sampling_rate_hz = 0.0;  // without a time column
+  std::vector<DraftSignal> base;  // none or one
+  std::vector<DraftSignal> floors;
+};
+
+// Where the initial stiffnesses come from.
+enum class StiffnessOrigin { kGiven, kFirstMode, kGivenFirstMode };
+
+struct CaseDraft {
+  std::string path;  // of the case file
+  std::string title;
+  UnitSystem units;
+  std::vector<double> masses;
+  std::string masses_origin;
+  std::vector<double> stiffnesses;
+  StiffnessOrigin stiffness_origin = StiffnessOrigin::kGiven;
+  double first_mode_hz = 0.0;  // of the records; 0: no peak
+  double damping_ratio = 0.02;
+  // Coefficients of C = a0 M + a1 K; a1 = 0 for one storey.
+  double rayleigh_mass = 0.0;
+  double rayleigh_stiffness = 0.0;
+  std::vector<DraftRecord> records;
+  // Sentences for the user: what was assumed, and what looks odd.
+  std::vector<std::string> assumptions;
+  std::vector<std::string> remarks;
+
+  int num_storeys() const { return static_cast<int>(masses.size()); }
+};
+
+// Drafts the case of a shear building, and that of its later state if there are
+// files of one, with the same model. Reads the files.
+//
+// Returns false with a question in *question if something is not clear, else
+// with one line in *error.
+[[nodiscard]] bool DraftCases(const DraftRequest& request,
+                              std::vector<CaseDraft>* drafts,
+                              DraftQuestion* question, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_DRAFT_CASE_DRAFT_H_

@@ -1,0 +1,241 @@
+#include "pinode/case/draft/case_draft_text.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
+#include "pinode/case/text/toml_value.h"
+
+namespace pinode {
+namespace {
+
+constexpr char kFirstLine[] = "# Drafted by pinode_new";
+constexpr size_t kCommentColumn = 40;
+
+// Appends "key = value", with a comment in its own column.
+void AppendLine(const std::string& text, const std::string& comment,
+                std::string* out) {
+  std::string line = text;
+  if (!comment.empty()) {
+    line.resize(std::max(line.size() + 2, kCommentColumn), ' ');
+    line += "# " + comment;
+  }
+  *out += line + "\n";
+}
+
+std::string TomlText(const std::string& value) {
+  TomlValue table = TomlValue::Table();
+  table.Set("k", TomlValue::String(value));
+  std::string text = FormatToml(table);
+  // "k = ..." and the end of the line.
+  text = text.substr(text.find('=') + 1);
+  return std::string(StripBlanks(text));
+}
+
+std::string TomlNumber(double value) {
+  std::string text = FormatNumber(value, 7);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string TomlNumbers(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(TomlNumber(value));
+  return "[" + Join(texts, ", ") + "]";
+}
+
+// Path of a record as its case has it.
+std::string PathInCase(const std::string& file, const std::string& case_path) {
+  std::error_code status;
+  const std::filesystem::path absolute =
+      std::filesystem::absolute(file, status).lexically_normal();
+  const std::filesystem::path folder =
+      std::filesystem::absolute(case_path, status)
+          .lexically_normal()
+          .parent_path();
+  const std::filesystem::path relative = absolute.lexically_proximate(folder);
+  return relative.generic_string();
+}
+
+std::string StiffnessComment(const CaseDraft& draft) {
+  const std::string hz = FormatNumber(draft.first_mode_hz, 4) + " Hz";
+  switch (draft.stiffness_origin) {
+    case StiffnessOrigin::kGiven:
+      return "from --stiffness";
+    case StiffnessOrigin::kFirstMode:
+      return "alike, so that the first mode is at " + hz +
+             ", the records' first peak";
+    case StiffnessOrigin::kGivenFirstMode:
+      return "alike, so that the first mode is at " + hz + " (--first_mode_hz)";
+  }
+  return "";
+}
+
+void AddModel(const CaseDraft& draft, std::string* out) {
+  const UnitSystem& units = draft.units;
+  *out +=
+      "\n# Units of the model's numbers. Records are in units of their "
+      "own.\n[units]\n";
+  AppendLine("force  = " + TomlText(units.force), "", out);
+  AppendLine("length = " + TomlText(units.length), "", out);
+  AppendLine("time   = " + TomlText(units.time), "", out);
+  *out += "\n[model]\n";
+  std::string damping = TomlNumber(draft.rayleigh_mass) + ", " +
+                        TomlNumber(draft.rayleigh_stiffness);
+  AppendLine(
+      "damping = {rayleigh = [" + damping + "]}",
+      FormatNumber(100.0 * draft.damping_ratio, 3) +
+          (draft.num_storeys() == 1
+               ? " % of critical, a guess; the fit finds it, see c_mass"
+               : " % of critical, a guess; the fit finds it, see c_mass and "
+                 "c_stiffness"),
+      out);
+  *out +=
+      "\n# From the lowest storey up: u1 is the floor above the first "
+      "storey.\n[model.shear_building]\n";
+  *out += "# " + MassUnitName(units) + ": " + draft.masses_origin + "\n";
+  AppendLine("masses      = " + TomlNumbers(draft.masses), "", out);
+  *out +=
+      "# " + StiffnessUnitName(units) + ": " + StiffnessComment(draft) + "\n";
+  AppendLine("stiffnesses = " + TomlNumbers(draft.stiffnesses), "", out);
+}
+
+void AddGroups(const CaseDraft& draft, std::string* out) {
+  *out +=
+      "\n# The unknowns. k1 = 0.1 means: the first storey is 10 % stiffer "
+      "than above.\n";
+  for (int i = 1; i <= draft.num_storeys(); ++i) {
+    const std::string storey = std::to_string(i);
+    *out += "[[group]]\n";
+    AppendLine("name    = " + TomlText("k" + storey), "", out);
+    AppendLine("adds_to = \"stiffness\"", "", out);
+    AppendLine("storey  = " + storey, "", out);
+    AppendLine("lower   = -0.95", i == 1 ? "a storey keeps some stiffness" : "",
+               out);
+    *out += "\n";
+  }
+  *out +=
+      "# The two parts of the damping, each with a factor: -1 is none of "
+      "it.\n";
+  *out += "[[group]]\n";
+  AppendLine("name            = \"c_mass\"", "", out);
+  AppendLine("adds_to         = \"damping\"", "", out);
+  AppendLine("proportional_to = \"mass\"", "", out);
+  AppendLine("scale           = " + TomlNumber(draft.rayleigh_mass), "", out);
+  AppendLine("lower           = -1.0", "", out);
+  if (draft.rayleigh_stiffness <= 0.0) return;
+  *out += "\n[[group]]\n";
+  AppendLine("name            = \"c_stiffness\"", "", out);
+  AppendLine("adds_to         = \"damping\"", "", out);
+  AppendLine("proportional_to = \"stiffness\"", "", out);
+  AppendLine("scale           = " + TomlNumber(draft.rayleigh_stiffness), "",
+             out);
+  AppendLine("lower           = -1.0", "", out);
+}
+
+void AddSignal(const DraftSignal& signal, std::string* out) {
+  AppendLine("  unit      = " + TomlText(signal.unit),
+             signal.unit_is_stated ? "as the file states" : "from --unit", out);
+  if (signal.is_upside_down) {
+    AppendLine("  sign      = -1", "the sensor is upside down", out);
+  }
+  if (signal.remove_offset) {
+    AppendLine("  remove_offset = true", "the mean is not zero", out);
+  }
+}
+
+void AddRecord(const DraftRecord& record, const std::string& case_path,
+               std::string* out) {
+  *out += "\n[[record]]\n";
+  AppendLine("name = " + TomlText(record.name), "", out);
+  AppendLine(
+      std::string("role = ") +
+          (record.is_holdout ? "\"holdout\"" : "\"train\""),
+      record.is_holdout ? "not fitted: shows what the prediction is worth" : "",
+      out);
+  AppendLine("file = " + TomlText(PathInCase(record.file, case_path)),
+             FormatNumber(record.duration, 4) + " s at " +
+                 FormatNumber(1.0 / record.step, 5) + " Hz",
+             out);
+  if (record.time_column.empty()) {
+    AppendLine("sampling_rate_hz = " + TomlNumber(record.sampling_rate_hz), "",
+               out);
+  } else {
+    AppendLine("time = " + TomlText(record.time_column), "", out);
+    if (!record.time_unit.empty()) {
+      AppendLine("time_unit = " + TomlText(record.time_unit), "", out);
+    }
+  }
+  if (record.base.empty()) {
+    AppendLine("excitation = \"ambient\"", "the base's motion was not measured",
+               out);
+  } else {
+    if (record.starts_at_rest) {
+      AppendLine("start = \"rest\"", "the record begins before the motion",
+                 out);
+    } else {
+      AppendLine("start = \"free\"", "the record begins in motion: estimated",
+                 out);
+    }
+    AppendLine("interpolation = \"cubic\"", "of the base between samples", out);
+  }
+  for (const DraftSignal& signal : record.base) {
+    *out += "\n  [[record.ground]]\n";
+    AppendLine("  direction = \"x\"", "", out);
+    AppendLine("  column    = " + TomlText(signal.column),
+               signal.is_by_name ? "the base, by its name" : "the base", out);
+    AddSignal(signal, out);
+  }
+  for (const DraftSignal& signal : record.floors) {
+    *out += "\n  [[record.channel]]\n";
+    AppendLine("  column    = " + TomlText(signal.column), "", out);
+    AppendLine("  quantity  = \"absolute_acceleration\"", "", out);
+    AppendLine("  dof       = " + TomlText("u" + std::to_string(signal.floor)),
+               signal.is_by_name ? "by the column's name" : "", out);
+    AddSignal(signal, out);
+  }
+}
+
+}  // namespace
+
+std::string CaseDraftText(const CaseDraft& draft, const std::string& command) {
+  // A comment is one line.
+  std::string one_line = command;
+  for (char& c : one_line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::string text = std::string(kFirstLine) + ":\n#   " + one_line +
+                     "\n# Check it, and change what is not so; every key: "
+                     "pinode/case/README.md (case_files.md).\n";
+  const std::string storeys = std::to_string(draft.num_storeys());
+  text += "title = " +
+          TomlText(draft.title.empty() ? "Building of " + storeys + " storeys"
+                                       : draft.title) +
+          "\n";
+  AddModel(draft, &text);
+  AddGroups(draft, &text);
+  for (const DraftRecord& record : draft.records) {
+    AddRecord(record, draft.path, &text);
+  }
+  if (!draft.remarks.empty()) text += "\n# To be checked:\n";
+  for (const std::string& remark : draft.remarks) {
+    text += "# - " + remark + "\n";
+  }
+  return text;
+}
+
+bool ReadCaseDraft(const std::string& text, const std::string& path, Case* c,
+                   std::string* error) {
+  TomlValue root;
+  return ParseToml(text, path, &root, error) &&
+         ReadCaseTree(root, path, nullptr, CasePurpose::kCheck, c, error);
+}
+
+bool IsCaseDraft(const std::string& text) {
+  return text.rfind(kFirstLine, 0) == 0;
+}
+
+}  // namespace pinode

@@ -1,0 +1,213 @@
+#!/usr/bin/env bash
+# From the files of a logger to a verdict on damage, without editing a file.
+#
+#   tests/programs/new_test.sh PROGRAM_DIR
+#
+# The records are those of a frame of five storeys that awk integrates in steps
+# of half a millisecond, with noise of 0.1 and 0.5 mg, as a German logger writes
+# them. In the later state the second storey has lost 15 % of its stiffness.
+set -euo pipefail
+
+programs=$(cd -- "$1" && pwd)
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+cd -- "$scratch"
+
+tested=pinode_new
+source "$here/testing.sh"
+
+# GermanLog SEED SECONDS K1 ... K5: stiffnesses in kN/m; floors of 900 kN, the
+# roof of 700 kN.
+GermanLog() {
+  local seed=$1 seconds=$2
+  shift 2
+  awk -v seed="$seed" -v seconds="$seconds" -v stiffness="$*" '
+    function Gauss() {
+      return sqrt(-2 * log(1 - rand())) * cos(2 * pi * rand())
+    }
+    function Ground(t,   i, sum) {
+      sum = 0
+      for (i = 1; i <= lines; ++i)
+        sum += amplitude[i] * sin(omega[i] * t + phase[i])
+      return sum * (t < 4 ? t * t / 16 : 1)
+    }
+    function Milli(value,   text) {
+      text = sprintf("%.2f", value * 1000 / 9.80665)
+      sub(/\./, ",", text)
+      return text
+    }
+    BEGIN {
+      pi = atan2(0, -1)
+      srand(seed)
+      n = split(stiffness, k, " ")
+      for (i = 1; i <= n; ++i) m[i] = (i < n ? 900 : 700) / 9.80665
+      lines = 90
+      for (i = 1; i <= lines; ++i) {
+        omega[i] = 2 * pi * (0.4 + (i - rand()) * 14 / lines)
+        phase[i] = 2 * pi * rand()
+        amplitude[i] = 0.12 / (1 + (omega[i] / 40) ^ 2)
+      }
+      print "Logger ACME DX-800;SN 00412;;;;;"
+      print "Projekt;Rahmen Halle 5;;;;;"
+      print "Sample rate [Hz];100;;;;;"
+      print "Zeit;Boden;Etage 1;Etage 2;Etage 3;Etage 4;Etage 5"
+      print "s;mg;mg;mg;mg;mg;mg"
+      step = 0.0005
+      for (s = 0; s < seconds / step; ++s) {
+        t = s * step
+        ground = Ground(t)
+        # Damping in proportion to stiffness and to mass.
+        for (i = 1; i <= n; ++i)
+          force[i] = k[i] * (u[i] - u[i - 1] + 0.0012 * (v[i] - v[i - 1]))
+        force[n + 1] = 0
+        for (i = 1; i <= n; ++i)
+          total[i] = (force[i + 1] - force[i]) / m[i] - 0.12 * v[i]
+        if (s % 20 == 0) {
+          row = sprintf("%.2f", t)
+          sub(/\./, ",", row)
+          row = row ";" Milli(ground + 0.001 * Gauss())
+          for (i = 1; i <= n; ++i)
+            row = row ";" Milli(total[i] + 0.005 * Gauss())
+          print row
+        }
+        for (i = 1; i <= n; ++i) v[i] += step * (total[i] - ground)
+        for (i = 1; i <= n; ++i) u[i] += step * v[i]
+      }
+    }'
+}
+
+GermanLog 1 20 180000 170000 150000 140000 120000 >before.csv
+GermanLog 2 20 180000 144500 150000 140000 120000 >after.csv
+frame=(--storeys=5 "--weights=900, 900, 900, 900, 700 kN")
+
+# The whole way.
+Run 0 pinode_new before.csv --later=after.csv "${frame[@]}" --case=frame.toml
+grep -q "before.csv: .*'Boden' is the base, 'Etage 1' is on floor 1" stdout ||
+  Fail "the places are not printed"
+grep -qF "pinode_damage --baseline=frame_result --case=frame_later.toml" stdout ||
+  Fail "the next steps are not printed"
+for file in frame.toml frame_later.toml; do
+  [[ -s $file ]] || Fail "no $file"
+  Run 0 pinode_check --case=$file
+done
+[[ $(grep -c '^  \[\[record.channel\]\]' frame.toml) -eq 5 ]] || Fail "channels"
+Run 0 pinode_update --case=frame.toml --output_dir=frame_result --progress=false
+Run 0 pinode_damage --baseline=frame_result --case=frame_later.toml \
+  --output_dir=frame_damage --progress=false
+grep -q '"message": "Damage: k2 (-1[45]\(\.[0-9]*\)\? %) lost stiffness' \
+  frame_damage/damage.json || Fail "expected damage in k2"
+Groups frame_damage | awk '
+  $1 == "k2" { found = $2 > -0.16 && $2 < -0.14 }
+  $1 ~ /^k[1345]$/ && ($2 > 0.01 || $2 < -0.01) { wrong = 1 }
+  END { exit !(found && !wrong) }' || Fail "expected -15 % in k2 alone"
+
+# Two records of one state: the second one is held out, in units of its own.
+sed -e '5s/.*/s;g;g;g;g;g;g/' after.csv >later.csv
+mkdir cases
+Run 0 pinode_new before.csv later.csv "${frame[@]}" --case=cases/two.toml \
+  --output_dir=check
+grep -A2 'name = "later"' cases/two.toml | grep -q 'role = "holdout"' ||
+  Fail "no record is held out"
+grep -q 'file = "../before.csv"' cases/two.toml || Fail "paths"
+[[ $(grep -c 'unit      = "g" ' cases/two.toml) -eq 6 ]] || Fail "units"
+[[ -s check/check.json ]] || Fail "no check"
+
+# What was written stays, but where it may be replaced.
+cp frame.toml kept.toml
+Refused "frame.toml exists; give --overwrite" before.csv "${frame[@]}" \
+  --case=frame.toml
+cmp -s frame.toml kept.toml || Fail "the case has changed"
+Run 0 pinode_new before.csv "${frame[@]}" --case=frame.toml --overwrite
+echo '[units]' >own.toml
+Refused "was not written by pinode_new" before.csv "${frame[@]}" \
+  --case=own.toml --overwrite
+[[ $(cat own.toml) == '[units]' ]] || Fail "a file of others was replaced"
+
+# What is not clear is asked for, with the flag that answers. No case is left.
+# Unclear TEXT ARGUMENT...
+Unclear() {
+  Refused "$@" --case=E
+  [[ -z $(find . -name 'E*') ]] || Fail "a part of a case is left"
+}
+Edited() { sed -E -e "$1" before.csv >edited.csv; }
+
+Unclear "no record"
+Unclear "nothing.csv" nothing.csv "${frame[@]}"
+Unclear "Give --storeys=5" before.csv --weights="900 kN"
+Unclear "--storeys is '0'" before.csv --storeys=0 --weights="900 kN"
+Unclear "Give --weights=" before.csv --storeys=5
+Unclear "no unit" before.csv --storeys=5 --weights=900
+Unclear "has 4 values, the building has 5 storeys" before.csv --storeys=5 \
+  --weights="900, 900, 900, 700 kN"
+Unclear "'Etage 5': the building has 4 storeys" before.csv --storeys=4 \
+  --weights="900 kN"
+Unclear "given twice" before.csv before.csv "${frame[@]}"
+cp before.csv copy.csv
+Unclear "a copy of" before.csv --later=copy.csv "${frame[@]}"
+Unclear "no column 'Bodem'; did you mean 'Boden'?" before.csv "${frame[@]}" \
+  --base=Bodem
+Unclear "no column 'Etage'" before.csv "${frame[@]}" --sensors="Etage=1"
+Unclear "floor from 1 to 5" before.csv "${frame[@]}" --sensors="Etage 1=7"
+Unclear "--holdout" before.csv later.csv "${frame[@]}" --holdout=third.csv
+Unclear "nothing would be left" before.csv "${frame[@]}" --holdout=before.csv
+Unclear "--damping_ratio is 2" before.csv "${frame[@]}" --damping_ratio=2
+# Without names, without units, and with names that say nothing.
+Edited '4,$s/^[^;]*;//'
+Unclear "Give --time=" edited.csv "${frame[@]}"
+Run 0 pinode_new edited.csv "${frame[@]}" --sampling_rate_hz=100 \
+  --case=rate.toml
+Edited '1,5d'
+Unclear "Give --base=" edited.csv "${frame[@]}" --time=column_1
+Unclear "Give --sensors=\"column_3=FLOOR,column_4=FLOOR" edited.csv \
+  "${frame[@]}" --time=column_1 --base=column_2
+Edited '5d'
+Unclear "states no unit of acceleration. Give --unit=" edited.csv "${frame[@]}"
+Unclear "--unit: 'mm' is no unit of acceleration" edited.csv "${frame[@]}" \
+  --unit=mm
+Edited '5s/mg$/mm/'
+Unclear "'Etage 5' is in mm" edited.csv "${frame[@]}"
+Edited '4s/Etage ([0-9])/acc_\1/g; s/(;[^;]*){2}$//'
+Unclear "may be the number of a sensor or of a floor" edited.csv \
+  --storeys=4 --weights="900 kN"
+Edited '6,$s/^([0-9]*),([0-9])([0-9])/\1\2\30/; 6,$s/^0+([0-9])/\1/; 5s/s;/;/'
+Unclear "Give --time_unit=ms" edited.csv "${frame[@]}"
+# One sample, too few, and numbers that are none.
+Edited '7,$d'
+Unclear "edited.csv" edited.csv "${frame[@]}"
+Edited '37,$d'
+Unclear "31 samples, expected 64 or more" edited.csv "${frame[@]}"
+Edited '500s/^([^;]*;)[^;]*/\1inf/'
+Unclear "edited.csv:500" edited.csv "${frame[@]}"
+Edited '500s/^([^;]*;)[^;]*/\1nan/'
+Unclear "'Boden' misses 1 samples, the first one 4.94 s" edited.csv \
+  "${frame[@]}"
+
+# Pounds and inches, a sensor upside down, and sensors on some of the floors.
+Edited '4s/Etage 3/x/; 4s/;x;/;unten;/'
+Run 0 pinode_new edited.csv --storeys=5 --weights="200 kip" --case=kip.toml \
+  --sensors="unten=3,Etage 5=5"
+grep -q '^force  = "kip"' kip.toml || Fail "kip"
+grep -q '^length = "in"' kip.toml || Fail "in"
+[[ $(grep -c '^  \[\[record.channel\]\]' kip.toml) -eq 2 ]] || Fail "channels"
+awk -F';' -v OFS=';' 'NR > 5 {
+    $4 = $4 ~ /^-/ ? substr($4, 2) : "-" $4 }
+  { print }' before.csv >turned.csv
+Run 0 pinode_new turned.csv "${frame[@]}" --case=turned.toml
+grep -q "'Etage 2' moves against the other floors" stdout || Fail "the sign"
+! grep -q '^  sign' turned.toml || Fail "a sensor was turned"
+Run 0 pinode_new turned.csv "${frame[@]}" --case=signed.toml \
+  --sensors="Etage 1=1,Etage 2=-2,Etage 3=3,Etage 4=4,Etage 5=5"
+[[ $(grep -c '^  sign      = -1' signed.toml) -eq 1 ]] || Fail "no sign"
+! grep -q "moves against" stdout || Fail "the sign is asked for again"
+
+# On a terminal, the questions and an answer that cannot be.
+if ! command -v script >/dev/null; then
+  echo "no terminal to test with (script of util-linux): questions skipped"
+  exit 0
+fi
+printf '5\n900\n900, 900, 900, 900, 700 kN\n' |
+  script -qec "$programs/pinode_new before.csv --case=asked.toml" /dev/null \
+    >stdout
+grep -q "has no unit" stdout || Fail "an answer that cannot be is not refused"
+cmp <(sed 1,3d asked.toml) <(sed 1,3d frame.toml) || Fail "asked, and otherwise"
