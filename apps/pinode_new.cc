@@ -64,6 +64,23 @@ DEFINE_string(sensors, "",
               "floor of each column, 1 being the lowest above the base: "
               "\"acc_1=1,acc_2=-2\", negative if upside down; other columns "
               "are left out; if not given, found by the names");
+DEFINE_string(
+    deck, "",
+    "deck of CalculiX (FILE.inp) in place of storeys, with its "
+    "exported matrices beside it or in FILE_export, as "
+    "pinode.calculix.export of Python leaves them; --sensors then has "
+    "nodes and directions: \"a1=1051.1,a2=-1051.2\"");
+DEFINE_string(deck_units, "",
+              "units of force and length of the deck's numbers, such as N,mm");
+DEFINE_string(factor, "",
+              "factor of the sets' properties in the deck's changed exports");
+DEFINE_string(force, "",
+              "columns that are measured forces, with their floor or DOF: "
+              "\"F=3\"");
+DEFINE_string(force_unit, "",
+              "unit of forces whose unit the files do not state");
+DEFINE_string(base_direction, "",
+              "direction of the deck along which the base is measured: x y z");
 DEFINE_string(ignore, "", "columns to leave out, separated by commas");
 DEFINE_string(unit, "",
               "unit of the columns whose unit the files do not state: m/s^2 "
@@ -115,6 +132,12 @@ DraftRequest RequestOfFlags(const std::vector<std::string>& logs) {
   request.damping_ratio = FLAGS_damping_ratio;
   request.base = FLAGS_base;
   request.sensors = FLAGS_sensors;
+  request.deck = FLAGS_deck;
+  request.deck_units = FLAGS_deck_units;
+  request.factor = FLAGS_factor;
+  request.force = FLAGS_force;
+  request.force_unit = FLAGS_force_unit;
+  request.base_direction = FLAGS_base_direction;
   request.ignore = FLAGS_ignore;
   request.unit = FLAGS_unit;
   request.time.time = FLAGS_time;
@@ -174,6 +197,10 @@ bool DraftWithAnswers(DraftRequest* request, std::vector<CaseDraft>* drafts,
       {"first_mode_hz", &request->first_mode_hz},
       {"base", &request->base},
       {"sensors", &request->sensors},
+      {"deck_units", &request->deck_units},
+      {"factor", &request->factor},
+      {"force_unit", &request->force_unit},
+      {"base_direction", &request->base_direction},
       {"unit", &request->unit},
       {"time", &request->time.time},
       {"time_unit", &request->time.time_unit}};
@@ -261,8 +288,9 @@ void PrintNextSteps(const std::vector<CheckedDraft>& checked) {
   const std::string result = folder.string() + "_result";
   std::printf("\nWritten: %s", checked[0].draft.path.c_str());
   if (checked.size() > 1) std::printf(", %s", checked[1].draft.path.c_str());
-  std::printf("\nNext:\n  pinode_update --case=%s --output_dir=%s\n",
-              checked[0].draft.path.c_str(), result.c_str());
+  const std::string deck = FLAGS_deck.empty() ? "" : " --deck=" + FLAGS_deck;
+  std::printf("\nNext:\n  pinode_update --case=%s --output_dir=%s%s\n",
+              checked[0].draft.path.c_str(), result.c_str(), deck.c_str());
   if (checked.size() > 1) {
     std::printf("  pinode_damage --baseline=%s --case=%s --output_dir=%s\n",
                 result.c_str(), checked[1].draft.path.c_str(),
@@ -313,10 +341,12 @@ int RunProgram(int argc, char** argv) {
   if (!ParseFlags(
           argc, argv,
           "pinode_new LOG [LOG...] [--later=FILE,...] --storeys=N "
-          "--weights=WEIGHTS [--case=FILE] [--output_dir=FOLDER]\n\n"
+          "--weights=WEIGHTS [--deck=FILE] [--case=FILE] "
+          "[--output_dir=FOLDER]\n\n"
           "Drafts a case from the files of data loggers; asks on a "
           "terminal for what is missing. The building is a frame of "
-          "storeys, with a sensor at its base and on its floors. Writes "
+          "storeys, with a sensor at its base and on its floors, or a "
+          "deck with its exported matrices. Writes "
           "the case with comments, and prints its check as pinode_check "
           "does.",
           &status, &logs)) {

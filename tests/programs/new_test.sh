@@ -10,6 +10,7 @@ set -euo pipefail
 
 programs=$(cd -- "$1" && pwd)
 here=$(cd -- "$(dirname -- "$0")" && pwd)
+frame_data=$(cd -- "$here/../../data/frame" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 cd -- "$scratch"
@@ -200,6 +201,32 @@ Run 0 pinode_new turned.csv "${frame[@]}" --case=signed.toml \
   --sensors="Etage 1=1,Etage 2=-2,Etage 3=3,Etage 4=4,Etage 5=5"
 [[ $(grep -c '^  sign      = -1' signed.toml) -eq 1 ]] || Fail "no sign"
 ! grep -q "moves against" stdout || Fail "the sign is asked for again"
+
+# A deck with its exports in place of storeys, and forces in place of the base.
+mkdir deck
+cp -- "$frame_data"/frame.{inp,dof} "$frame_data"/*.sti.gz "$frame_data"/*.mas.gz \
+  "$frame_data"/healthy_1.csv deck
+deck=(--deck=deck/frame.inp "--force=fx=3153.1,fy=2151.2")
+units=(--deck_units=N,m --factor=2 --unit=m/s^2 --force_unit=N)
+sensors="a1x=1051.1,a1y=1051.2,a2x=1101.1,a2y=1101.2,a3x=1151.1,a3y=1151.2"
+Unclear "Give --deck_units=" deck/healthy_1.csv "${deck[@]}"
+Unclear "--deck_units is 'N,kg'" deck/healthy_1.csv "${deck[@]}" \
+  --deck_units=N,kg
+Unclear "Give --factor=2" deck/healthy_1.csv "${deck[@]}" --deck_units=N,m
+Unclear "at which node of the deck" deck/healthy_1.csv "${deck[@]}" \
+  "${units[@]}"
+Unclear "with a node of the deck" deck/healthy_1.csv "${deck[@]}" \
+  "${units[@]}" --sensors="a1x=999999.1"
+Unclear "expected one of them" deck/healthy_1.csv "${deck[@]}" "${units[@]}" \
+  --storeys=3
+cp deck/frame.inp alone.inp
+Unclear "no matrices alone.sti" deck/healthy_1.csv --deck=alone.inp "${units[@]}"
+Run 0 pinode_new deck/healthy_1.csv "${deck[@]}" "${units[@]}" \
+  --sensors="$sensors" --case=deck.toml
+[[ $(grep -c '^changed_export' deck.toml) -eq 9 ]] || Fail "groups"
+grep -q 'left out, as they are called like no element set: .*mass_1.mas' stdout ||
+  Fail "what was left out is not said"
+grep -q 'pinode_update .* --deck=deck/frame.inp' stdout || Fail "next step"
 
 # On a terminal, the questions and an answer that cannot be.
 if ! command -v script >/dev/null; then

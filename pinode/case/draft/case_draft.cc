@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +13,8 @@
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
+#include "pinode/case/draft/deck_draft.h"
 #include "pinode/case/draft/first_mode.h"
 #include "pinode/case/draft/floor_weights.h"
 #include "pinode/case/draft/record_draft.h"
@@ -22,6 +26,9 @@ namespace pinode {
 namespace {
 
 constexpr int kMostStoreys = 100;
+// Without a model at hand, Rayleigh's damping has the given ratio at the first
+// mode and at this many times its frequency.
+constexpr double kBandOfDamping = 5.0;
 
 bool ParsePositive(const std::string& text, const std::string& flag,
                    const std::string& what, double* value, std::string* error) {
@@ -84,6 +91,19 @@ bool ReadStoreys(const DraftRequest& request, int* storeys,
   return false;
 }
 
+bool SetDampingRatio(const DraftRequest& request, CaseDraft* draft,
+                     std::string* error) {
+  if (!ParsePositive(request.damping_ratio, "damping_ratio",
+                     "a fraction of critical such as 0.02",
+                     &draft->damping_ratio, error)) {
+    return false;
+  }
+  if (draft->damping_ratio < 1.0) return true;
+  *error = "--damping_ratio is " + request.damping_ratio +
+           ", expected a fraction of critical; 2 % is 0.02";
+  return false;
+}
+
 // Sets masses and damping ratio, which no record tells.
 bool SetMasses(const DraftRequest& request, int storeys, CaseDraft* draft,
                DraftQuestion* question, std::string* error) {
@@ -101,15 +121,62 @@ bool SetMasses(const DraftRequest& request, int storeys, CaseDraft* draft,
   draft->units = masses.units;
   draft->masses = masses.masses;
   draft->masses_origin = masses.origin;
-  if (!ParsePositive(request.damping_ratio, "damping_ratio",
-                     "a fraction of critical such as 0.02",
-                     &draft->damping_ratio, error)) {
+  return SetDampingRatio(request, draft, error);
+}
+
+// Sets the model of a deck: its files, units, and the factor of its exports.
+bool SetDeck(const DraftRequest& request, CaseDraft* draft,
+             DraftQuestion* question, std::string* error) {
+  for (const auto& [flag, text] : {std::pair<const char*, const std::string&>{
+                                       "--storeys", request.storeys},
+                                   {"--weights", request.weights},
+                                   {"--stiffness", request.stiffness}}) {
+    if (text.empty()) continue;
+    *error = std::string(flag) + " and --deck, expected one of them";
     return false;
   }
-  if (draft->damping_ratio < 1.0) return true;
-  *error = "--damping_ratio is " + request.damping_ratio +
-           ", expected a fraction of critical; 2 % is 0.02";
-  return false;
+  if (request.deck_units.empty()) {
+    *question = {"deck_units",
+                 "The units of force and length of the deck's numbers are not "
+                 "known",
+                 "N,mm (or N,m, kip,in, ...)"};
+    return false;
+  }
+  const std::vector<std::string_view> units = Split(request.deck_units, ',');
+  if (units.size() == 2) {
+    draft->units.force = CanonicalUnit(units[0]);
+    draft->units.length = CanonicalUnit(units[1]);
+  }
+  if (units.size() != 2 || !draft->units.IsValid(error)) {
+    *error = "--deck_units is " + Quote(request.deck_units) +
+             ", expected a force and a length such as N,mm";
+    return false;
+  }
+  if (request.factor.empty()) {
+    *question = {"factor",
+                 "The factor of the sets' properties in their exports is not "
+                 "known (pinode.calculix.export takes 2)",
+                 "2"};
+    return false;
+  }
+  auto deck = std::make_shared<DeckModel>();
+  if (!ParsePositive(request.factor, "factor", "a positive number, not 1",
+                     &draft->deck_factor, error) ||
+      !SetDampingRatio(request, draft, error) ||
+      !FindDeckModel(request.deck, deck.get(), error)) {
+    return false;
+  }
+  if (draft->deck_factor == 1.0) {
+    *error = "--factor is 1, expected the factor of the exports";
+    return false;
+  }
+  if (!deck->left_out.empty()) {
+    draft->assumptions.push_back(
+        request.deck + ": left out, as they are called like no element set: " +
+        Join(deck->left_out, ", ") + ".");
+  }
+  draft->deck = deck;
+  return true;
 }
 
 bool Modes(const CaseDraft& draft, UndampedModes* modes, std::string* error) {
@@ -125,16 +192,9 @@ double Hz(const UndampedModes& modes, Eigen::Index mode) {
   return std::sqrt(modes.eigenvalues[mode]) / kTwoPi;
 }
 
-// Sets the stiffnesses: as given, or all alike so that the first mode is that
-// of the records.
-bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
-                    DraftQuestion* question, std::string* error) {
-  const int storeys = draft->num_storeys();
-  if (!request.stiffness.empty()) {
-    draft->stiffness_origin = StiffnessOrigin::kGiven;
-    return ParseStoreyStiffnesses(request.stiffness, storeys, draft->units,
-                                  &draft->stiffnesses, error);
-  }
+// Sets the first mode: as given, or that of the records.
+bool SetFirstMode(const DraftRequest& request, CaseDraft* draft,
+                  DraftQuestion* question, std::string* error) {
   draft->stiffness_origin = StiffnessOrigin::kFirstMode;
   if (!request.first_mode_hz.empty()) {
     draft->stiffness_origin = StiffnessOrigin::kGivenFirstMode;
@@ -150,6 +210,20 @@ bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
                  "1.2"};
     return false;
   }
+  return true;
+}
+
+// Sets the stiffnesses: as given, or all alike so that the first mode is that
+// of the records.
+bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
+                    DraftQuestion* question, std::string* error) {
+  const int storeys = draft->num_storeys();
+  if (!request.stiffness.empty()) {
+    draft->stiffness_origin = StiffnessOrigin::kGiven;
+    return ParseStoreyStiffnesses(request.stiffness, storeys, draft->units,
+                                  &draft->stiffnesses, error);
+  }
+  if (!SetFirstMode(request, draft, question, error)) return false;
   draft->stiffnesses.assign(draft->masses.size(), 1.0);
   UndampedModes modes;
   if (!Modes(*draft, &modes, error)) return false;
@@ -159,14 +233,26 @@ bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
 }
 
 // Sets Rayleigh's coefficients by the ratio at the first and third mode.
-bool SetDamping(CaseDraft* draft, std::string* error) {
+bool SetDamping(const DraftRequest& request, CaseDraft* draft,
+                DraftQuestion* question, std::string* error) {
+  RayleighCoefficients coefficients;
+  if (draft->deck != nullptr) {
+    if (!SetFirstMode(request, draft, question, error) ||
+        !RayleighFromRatios(draft->first_mode_hz, draft->damping_ratio,
+                            kBandOfDamping * draft->first_mode_hz,
+                            draft->damping_ratio, &coefficients, error)) {
+      return false;
+    }
+    draft->rayleigh_mass = coefficients.mass;
+    draft->rayleigh_stiffness = coefficients.stiffness;
+    return true;
+  }
   UndampedModes modes;
   if (!Modes(*draft, &modes, error)) return false;
   if (draft->num_storeys() == 1) {
     draft->rayleigh_mass = 2.0 * draft->damping_ratio * kTwoPi * Hz(modes, 0);
     return true;
   }
-  RayleighCoefficients coefficients;
   if (!RayleighFromRatios(Hz(modes, 0), draft->damping_ratio,
                           Hz(modes, std::min(draft->num_storeys(), 3) - 1),
                           draft->damping_ratio, &coefficients, error)) {
@@ -197,9 +283,11 @@ std::string RecordName(const std::string& path,
   return unique;
 }
 
-// Says what the first mode tells of the signs of sensors.
+// Says what the first mode tells of the signs of sensors. That of a deck may
+// move them either way.
 void AddSignRemarks(const DraftRecord& record, const FirstMode& mode,
                     std::vector<std::string>* remarks) {
+  if (record.floors.front().floor == 0) return;
   const std::string hz = FormatNumber(mode.hz, 3) + " Hz";
   for (size_t c = 0; c < record.floors.size(); ++c) {
     if (!mode.is_reversed[c]) continue;
@@ -231,9 +319,15 @@ void AddAssumptions(const LogFile& log, const DraftRecord& record,
     places.push_back(Quote(signal.column) + " is the base");
     used.insert(signal.column);
   }
+  for (const DraftSignal& signal : record.forces) {
+    places.push_back(Quote(signal.column) + " is the force at " + signal.dof);
+    used.insert(signal.column);
+  }
   for (const DraftSignal& signal : record.floors) {
-    places.push_back(Quote(signal.column) + " is on floor " +
-                     std::to_string(signal.floor));
+    places.push_back(Quote(signal.column) +
+                     (signal.floor > 0
+                          ? " is on floor " + std::to_string(signal.floor)
+                          : " is at " + signal.dof));
     used.insert(signal.column);
   }
   assumptions->push_back(text + "; " + Join(places, ", ") + ".");
@@ -271,7 +365,6 @@ bool CheckComplete(const LogFile& log, const std::string& column,
 bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
                   CaseDraft* draft, DraftQuestion* question,
                   std::string* error) {
-  const int storeys = draft->num_storeys();
   size_t holdout = logs.size() > 1 ? logs.size() - 1 : logs.size();
   if (request.holdout == "none") holdout = logs.size();
   for (size_t i = 0; i < logs.size(); ++i) {
@@ -284,11 +377,13 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
   }
   for (size_t i = 0; i < logs.size(); ++i) {
     DraftRecord record;
-    if (!DraftRecordOf(logs[i], request, storeys, &record, question, error)) {
+    if (!DraftRecordOf(logs[i], request, *draft, &record, question, error)) {
       return false;
     }
-    for (const DraftSignal& signal : record.base) {
-      if (!CheckComplete(logs[i], signal.column, error)) return false;
+    for (const auto* loads : {&record.base, &record.forces}) {
+      for (const DraftSignal& signal : *loads) {
+        if (!CheckComplete(logs[i], signal.column, error)) return false;
+      }
     }
     record.name = RecordName(logs[i].path, draft->records);
     record.is_holdout = i == holdout;
@@ -336,8 +431,10 @@ bool DraftCases(const DraftRequest& request, std::vector<CaseDraft>* drafts,
   if (!CheckFiles(request, error) ||
       !ReadLogs(request.logs, options, &logs, question, error) ||
       !ReadLogs(request.later_logs, options, &later_logs, question, error) ||
-      !ReadStoreys(request, &storeys, question, error) ||
-      !SetMasses(request, storeys, &draft, question, error)) {
+      !(request.deck.empty()
+            ? ReadStoreys(request, &storeys, question, error) &&
+                  SetMasses(request, storeys, &draft, question, error)
+            : SetDeck(request, &draft, question, error))) {
     return false;
   }
   std::vector<LogFile> all = logs;
@@ -345,11 +442,13 @@ bool DraftCases(const DraftRequest& request, std::vector<CaseDraft>* drafts,
   draft.path = request.case_path;
   draft.title = request.title;
   CaseDraft later = draft;
-  if (!CheckColumnAnswers(request, all, storeys, error) ||
+  later.assumptions.clear();
+  if (!CheckColumnAnswers(request, all, draft, error) ||
       !DraftRecords(request, logs, &draft, question, error) ||
       !DraftRecords(request, later_logs, &later, question, error) ||
-      !SetStiffnesses(request, &draft, question, error) ||
-      !SetDamping(&draft, error)) {
+      (draft.deck == nullptr &&
+       !SetStiffnesses(request, &draft, question, error)) ||
+      !SetDamping(request, &draft, question, error)) {
     return false;
   }
   drafts->assign(1, draft);

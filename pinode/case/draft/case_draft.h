@@ -4,10 +4,12 @@
 #ifndef PINODE_CASE_DRAFT_CASE_DRAFT_H_
 #define PINODE_CASE_DRAFT_CASE_DRAFT_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pinode/base/units.h"
+#include "pinode/case/draft/deck_draft.h"
 #include "pinode/case/draft/log_file.h"
 
 namespace pinode {
@@ -30,11 +32,21 @@ struct DraftRequest {
   std::string first_mode_hz;
   std::string damping_ratio = "0.02";
 
+  // A deck in place of storeys; the units of its numbers, "N, m", and the
+  // factor with which properties of sets were exported.
+  std::string deck;
+  std::string deck_units;
+  std::string factor;
+
   std::string base;     // a column, or "none"
   std::string sensors;  // "acc_1=1,acc_2=-2": floors, "-": upside down
-  std::string ignore;   // columns, separated by commas
-  std::string unit;     // of columns whose unit the files do not state
-  LogOptions time;      // of all files
+  // "F=3": measured forces, at floors or DOFs.
+  std::string force;
+  std::string force_unit;
+  std::string base_direction;  // of a deck: x, y or z
+  std::string ignore;          // columns, separated by commas
+  std::string unit;            // of columns whose unit the files do not state
+  LogOptions time;             // of all files
 };
 
 // One signal of a record.
@@ -42,7 +54,8 @@ struct DraftSignal {
   std::string column;
   std::string unit;
   bool unit_is_stated = false;  // by the file
-  int floor = 0;                // 0: the base
+  int floor = 0;                // 0: the base, or a DOF of a deck
+  std::string dof;              // "u3"; of the base its direction
   bool is_by_name = false;      // place found by the column's name
   bool is_upside_down = false;
   bool remove_offset = false;
@@ -59,7 +72,8 @@ struct DraftRecord {
   std::string time_unit;
   double sampling_rate_hz = 0.0;  // without a time column
   std::vector<DraftSignal> base;  // none or one
-  std::vector<DraftSignal> floors;
+  std::vector<DraftSignal> forces;
+  std::vector<DraftSignal> floors;  // or other places of sensors
 };
 
 // Where the initial stiffnesses come from.
@@ -78,6 +92,9 @@ struct CaseDraft {
   // Coefficients of C = a0 M + a1 K; a1 = 0 for one storey.
   double rayleigh_mass = 0.0;
   double rayleigh_stiffness = 0.0;
+  // Model of a deck in place of masses and stiffnesses; null: storeys.
+  std::shared_ptr<const DeckModel> deck;
+  double deck_factor = 0.0;
   std::vector<DraftRecord> records;
   // Sentences for the user: what was assumed, and what looks odd.
   std::vector<std::string> assumptions;
@@ -86,8 +103,8 @@ struct CaseDraft {
   int num_storeys() const { return static_cast<int>(masses.size()); }
 };
 
-// Drafts the case of a shear building, and that of its later state if there are
-// files of one, with the same model. Reads the files.
+// Drafts the case of a shear building or a deck, and that of its later state if
+// there are files of one, with the same model. Reads the files.
 //
 // Returns false with a question in *question if something is not clear, else
 // with one line in *error.

@@ -1,8 +1,10 @@
 #include "pinode/case/draft/record_draft.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "pinode/base/file_text.h"
@@ -23,37 +25,90 @@ constexpr double kLeastOffset = 0.02;
 
 struct Place {
   std::string column;
-  int floor = 0;
+  int floor = 0;  // 0: a DOF of a deck
+  std::string dof;
   bool is_upside_down = false;
 };
 
-// Reads "acc_1=1,acc_2=-2".
-bool ParsePlaces(const std::string& text, int storeys,
-                 std::vector<Place>* places, std::string* error) {
+// Reads "1051.1" or "-1051.1" as a DOF of the deck.
+bool ParseDeckPlace(std::string_view text, const DeckModel& deck,
+                    Place* place) {
+  text = StripBlanks(text);
+  place->is_upside_down = !text.empty() && text[0] == '-';
+  if (place->is_upside_down) text.remove_prefix(1);
+  place->dof = std::string(text);
+  return deck.HasTranslation(place->dof);
+}
+
+bool ParseFloor(std::string_view text, int storeys, Place* place) {
+  int floor = 0;
+  if (!ParseInt(StripBlanks(text), &floor) || floor == 0 ||
+      std::abs(floor) > storeys) {
+    return false;
+  }
+  place->floor = std::abs(floor);
+  place->dof = "u" + std::to_string(place->floor);
+  place->is_upside_down = floor < 0;
+  return true;
+}
+
+// Reads "acc_1=1,acc_2=-2" of a flag; of a deck "a=12.1,b=-12.2".
+bool ParsePlaces(const std::string& text, const std::string& flag,
+                 const CaseDraft& draft, std::vector<Place>* places,
+                 std::string* error) {
   places->clear();
   std::set<std::string> seen;
   for (const std::string_view part : Split(text, ',')) {
     const size_t equals = part.rfind('=');
     Place place;
-    int floor = 0;
-    if (equals == std::string_view::npos || equals == 0 ||
-        !ParseInt(StripBlanks(part.substr(equals + 1)), &floor) || floor == 0 ||
-        std::abs(floor) > storeys) {
-      *error = "--sensors: " + Quote(part) +
-               ", expected COLUMN=FLOOR with a floor from 1 to " +
-               std::to_string(storeys) + ", negative if upside down";
+    const bool is_pair = equals != std::string_view::npos && equals > 0;
+    const std::string_view value = is_pair ? part.substr(equals + 1) : part;
+    if (!is_pair || !(draft.deck != nullptr
+                          ? ParseDeckPlace(value, *draft.deck, &place)
+                          : ParseFloor(value, draft.num_storeys(), &place))) {
+      *error = flag + ": " + Quote(part) + ", expected COLUMN=" +
+               (draft.deck != nullptr
+                    ? "NODE.DIRECTION with a node of the deck and direction 1, "
+                      "2 or 3"
+                    : "FLOOR with a floor from 1 to " +
+                          std::to_string(draft.num_storeys())) +
+               ", negative if upside down";
       return false;
     }
     place.column = std::string(StripBlanks(part.substr(0, equals)));
-    place.floor = std::abs(floor);
-    place.is_upside_down = floor < 0;
     if (!seen.insert(place.column).second) {
-      *error = "--sensors names " + Quote(place.column) + " twice";
+      *error = flag + " names " + Quote(place.column) + " twice";
       return false;
     }
     places->push_back(place);
   }
   return true;
+}
+
+// Returns the DOF that a column's name has in it, such as "12.1" or "12:x";
+// empty: none, or several.
+std::string DofInName(const std::string& name, const DeckModel& deck) {
+  std::string found;
+  for (size_t i = 1; i + 1 < name.size(); ++i) {
+    if (name[i] != '.' && name[i] != ':') continue;
+    size_t first = i;
+    while (first > 0 &&
+           std::isdigit(static_cast<unsigned char>(name[first - 1])) != 0) {
+      --first;
+    }
+    const size_t axis = std::string_view("xyz").find(name[i + 1]);
+    const std::string direction = axis != std::string_view::npos
+                                      ? std::to_string(axis + 1)
+                                      : std::string(1, name[i + 1]);
+    const bool ends =
+        i + 2 == name.size() ||
+        std::isalnum(static_cast<unsigned char>(name[i + 2])) == 0;
+    const std::string dof = name.substr(first, i - first) + "." + direction;
+    if (first == i || !ends || !deck.HasTranslation(dof)) continue;
+    if (!found.empty()) return "";
+    found = dof;
+  }
+  return found;
 }
 
 bool IsInAny(const std::vector<LogFile>& logs, const std::string& column,
@@ -65,57 +120,213 @@ bool IsInAny(const std::vector<LogFile>& logs, const std::string& column,
   return false;
 }
 
-// Sets the unit of a signal of accelerations; false with a question or error.
-bool SetUnit(const LogFile& log, const DraftRequest& request,
+// Sets the unit of a signal, an acceleration or a force; false with a question
+// or error.
+bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
              DraftSignal* signal, DraftQuestion* question, std::string* error) {
+  const std::string flag = is_force ? "force_unit" : "unit";
+  const std::string& given = is_force ? request.force_unit : request.unit;
+  const Dimension wanted =
+      is_force ? Dimension::kForce : Dimension::kAcceleration;
+  const std::string what = is_force ? "force" : "acceleration";
   const LogColumn* column = log.Find(signal->column);
   const std::string where = log.path + ": column " + Quote(signal->column);
   signal->unit = column->unit;
   signal->unit_is_stated = !signal->unit.empty();
   if (!signal->unit_is_stated) {
-    if (request.unit.empty()) {
-      question->flag = "unit";
-      question->text = where + " states no unit of acceleration";
-      question->example = "mg (or m/s^2, g, gal; for all columns without)";
+    if (given.empty()) {
+      question->flag = flag;
+      question->text = where + " states no unit of " + what;
+      question->example =
+          is_force ? "kN (or N, kip, lbf; for all forces without)"
+                   : "mg (or m/s^2, g, gal; for all columns without)";
       return false;
     }
-    signal->unit = CanonicalUnit(request.unit);
+    signal->unit = CanonicalUnit(given);
   }
   Dimension dimension;
-  if (FindDimension(signal->unit, &dimension) &&
-      dimension == Dimension::kAcceleration) {
+  if (FindDimension(signal->unit, &dimension) && dimension == wanted) {
     return true;
   }
   *error = signal->unit_is_stated
-               ? where + " is in " + signal->unit +
-                     ", which is no acceleration; leave it out with "
+               ? where + " is in " + signal->unit + ", which is no " + what +
+                     "; leave it out with "
                      "--ignore=" +
                      signal->column +
                      ", and add it to the case by hand (pinode/case/README.md)"
-               : "--unit: " + Quote(request.unit) +
-                     " is no unit of acceleration; use one of " +
-                     Join(KnownUnits(Dimension::kAcceleration), " ");
+               : "--" + flag + ": " + Quote(given) + " is no unit of " + what +
+                     "; use one of " + Join(KnownUnits(wanted), " ");
   return false;
 }
 
 // Asks for the places of columns, with an answer to fill in.
 void AskForSensors(const LogFile& log, const PlacesByName& by_name,
-                   const std::vector<std::string>& columns, int storeys,
-                   DraftQuestion* question) {
+                   const std::vector<std::string>& columns,
+                   const CaseDraft& draft, DraftQuestion* question) {
   std::vector<std::string> answer;
+  const bool is_deck = draft.deck != nullptr;
   for (size_t i = 0; i < columns.size(); ++i) {
     const int place = by_name.places[i];
     if (place == 0) continue;
+    const std::string dof =
+        is_deck ? DofInName(columns[i], *draft.deck) : std::string();
     answer.push_back(columns[i] + "=" +
-                     (place > 0 ? std::to_string(place) : "FLOOR"));
+                     (is_deck     ? (dof.empty() ? "NODE.DIRECTION" : dof)
+                      : place > 0 ? std::to_string(place)
+                                  : "FLOOR"));
   }
   question->flag = "sensors";
   question->text =
-      log.path + ": it is not clear on which floor, 1 to " +
-      std::to_string(storeys) +
-      " from the lowest above the base, each sensor is: " + by_name.doubt +
-      "; columns that are not listed are left out";
+      log.path + ": it is not clear " +
+      (is_deck ? "at which node of the deck, and along which direction (1, 2, "
+                 "3), each sensor is: "
+               : "on which floor, 1 to " + std::to_string(draft.num_storeys()) +
+                     " from the lowest above the base, each sensor is: ") +
+      by_name.doubt + "; columns that are not listed are left out";
   question->example = "\"" + Join(answer, ",") + "\"";
+}
+
+// Returns the places of columns by their names: floors, or the deck's DOFs.
+PlacesByName PlacesIn(const std::vector<std::string>& columns,
+                      const CaseDraft& draft) {
+  if (draft.deck == nullptr) {
+    return FindPlacesByName(columns, draft.num_storeys());
+  }
+  // One storey: the base alone is looked for.
+  PlacesByName found = FindPlacesByName(columns, 1);
+  found.doubt.clear();
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (found.places[i] == 0) continue;
+    const bool clear = !DofInName(columns[i], *draft.deck).empty();
+    found.places[i] = clear ? 1 : kPlaceUnclear;
+    if (!clear && found.doubt.empty()) {
+      found.doubt = Quote(columns[i]) + " names no node";
+    }
+  }
+  return found;
+}
+
+bool IsForce(const DraftRecord& record, const std::string& column) {
+  return std::any_of(
+      record.forces.begin(), record.forces.end(),
+      [&](const DraftSignal& force) { return force.column == column; });
+}
+
+DraftSignal SignalAt(const Place& place) {
+  DraftSignal signal;
+  signal.column = place.column;
+  signal.floor = place.floor;
+  signal.dof = place.dof;
+  signal.is_upside_down = place.is_upside_down;
+  return signal;
+}
+
+bool AddForces(const LogFile& log, const DraftRequest& request,
+               const CaseDraft& draft, DraftRecord* record,
+               std::string* error) {
+  if (request.force.empty()) return true;
+  std::vector<Place> places;
+  if (!ParsePlaces(request.force, "--force", draft, &places, error)) {
+    return false;
+  }
+  for (const Place& place : places) {
+    if (log.Find(place.column) == nullptr) {
+      *error = log.path + ": no column " + Quote(place.column) + " (--force)";
+      return false;
+    }
+    record->forces.push_back(SignalAt(place));
+  }
+  return true;
+}
+
+// Adds the base: as given, or by its name. With a force there may be none.
+bool AddBase(const LogFile& log, const DraftRequest& request,
+             const CaseDraft& draft, const std::vector<std::string>& columns,
+             const PlacesByName& by_name, DraftRecord* record,
+             DraftQuestion* question, std::string* error) {
+  if (request.base == "none") return true;
+  DraftSignal base;
+  base.column = request.base;
+  base.is_by_name = request.base.empty();
+  if (base.is_by_name) {
+    const auto found =
+        std::find(by_name.places.begin(), by_name.places.end(), 0);
+    if (found == by_name.places.end()) {
+      if (!record->forces.empty()) return true;
+      question->flag = "base";
+      question->text = log.path +
+                       ": which column is the base (ground) is not clear; "
+                       "columns: " +
+                       Join(log.ColumnNames(), ", ") +
+                       "; 'none' if its motion was not measured";
+      question->example = "COLUMN";
+      return false;
+    }
+    base.column = columns[static_cast<size_t>(found - by_name.places.begin())];
+  } else if (log.Find(base.column) == nullptr) {
+    *error = log.path + ": no column " + Quote(base.column) + " (--base)";
+    return false;
+  }
+  base.dof = draft.deck == nullptr ? "x" : request.base_direction;
+  if (base.dof.empty()) {
+    *question = {"base_direction",
+                 log.path +
+                     ": along which direction of the deck the base's "
+                     "sensor " +
+                     Quote(base.column) + " is is not known",
+                 "x (or y, z)"};
+    return false;
+  }
+  if (base.dof != "x" && base.dof != "y" && base.dof != "z") {
+    *error = "--base_direction is " + Quote(base.dof) + ", expected x, y or z";
+    return false;
+  }
+  record->base.push_back(base);
+  return true;
+}
+
+// Adds the sensors: as given, or by their names.
+bool AddSensors(const LogFile& log, const DraftRequest& request,
+                const CaseDraft& draft, const std::vector<std::string>& columns,
+                const PlacesByName& by_name, DraftRecord* record,
+                DraftQuestion* question, std::string* error) {
+  if (!request.sensors.empty()) {
+    std::vector<Place> places;
+    if (!ParsePlaces(request.sensors, "--sensors", draft, &places, error)) {
+      return false;
+    }
+    for (const Place& place : places) {
+      if (log.Find(place.column) != nullptr) {
+        record->floors.push_back(SignalAt(place));
+      }
+    }
+  } else {
+    if (!by_name.doubt.empty()) {
+      AskForSensors(log, by_name, columns, draft, question);
+      return false;
+    }
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (by_name.places[i] == 0) continue;
+      DraftSignal signal;
+      signal.column = columns[i];
+      signal.is_by_name = true;
+      signal.floor = draft.deck == nullptr ? by_name.places[i] : 0;
+      signal.dof = draft.deck == nullptr ? "u" + std::to_string(signal.floor)
+                                         : DofInName(columns[i], *draft.deck);
+      record->floors.push_back(signal);
+    }
+  }
+  if (record->floors.empty()) {
+    *error = log.path +
+             ": no column is a sensor; name them and their places with "
+             "--sensors";
+    return false;
+  }
+  std::stable_sort(record->floors.begin(), record->floors.end(),
+                   [](const DraftSignal& a, const DraftSignal& b) {
+                     return a.floor < b.floor;
+                   });
+  return true;
 }
 
 Vector Signed(const LogFile& log, const DraftSignal& signal) {
@@ -141,8 +352,8 @@ double Rms(const Vector& values) {
 }  // namespace
 
 bool CheckColumnAnswers(const DraftRequest& request,
-                        const std::vector<LogFile>& logs, int storeys,
-                        std::string* error) {
+                        const std::vector<LogFile>& logs,
+                        const CaseDraft& draft, std::string* error) {
   std::vector<std::string> known;
   if (!request.base.empty() && request.base != "none" &&
       !IsInAny(logs, request.base, &known)) {
@@ -150,95 +361,61 @@ bool CheckColumnAnswers(const DraftRequest& request,
              NameHint(request.base, known);
     return false;
   }
-  std::vector<Place> places;
-  if (request.sensors.empty()) return true;
-  if (!ParsePlaces(request.sensors, storeys, &places, error)) return false;
-  for (const Place& place : places) {
-    if (!IsInAny(logs, place.column, &known)) {
-      *error = "--sensors: no column " + Quote(place.column) +
-               NameHint(place.column, known);
-      return false;
-    }
-    if (place.column == request.base) {
-      *error = "--sensors names " + Quote(place.column) +
-               ", which is the base by --base; name it once";
-      return false;
+  std::string used = request.base == "none" ? "" : request.base;
+  for (const auto& [flag, text] :
+       {std::pair<std::string, std::string>{"--force", request.force},
+        {"--sensors", request.sensors}}) {
+    std::vector<Place> places;
+    if (text.empty()) continue;
+    if (!ParsePlaces(text, flag, draft, &places, error)) return false;
+    for (const Place& place : places) {
+      if (!IsInAny(logs, place.column, &known)) {
+        *error = flag + ": no column " + Quote(place.column) +
+                 NameHint(place.column, known);
+        return false;
+      }
+      if (place.column == used) {
+        *error = flag + " names " + Quote(place.column) +
+                 ", which is the base by --base; name it once";
+        return false;
+      }
     }
   }
   return true;
 }
 
-bool DraftRecordOf(const LogFile& log, const DraftRequest& request, int storeys,
-                   DraftRecord* record, DraftQuestion* question,
-                   std::string* error) {
+bool DraftRecordOf(const LogFile& log, const DraftRequest& request,
+                   const CaseDraft& draft, DraftRecord* record,
+                   DraftQuestion* question, std::string* error) {
   record->file = log.path;
   record->time_column = log.time_column;
   record->time_unit = log.time_unit;
   record->sampling_rate_hz = log.sampling_rate_hz;
   record->step = log.step;
   record->duration = log.duration();
+  if (!AddForces(log, request, draft, record, error)) return false;
 
-  // Columns by name, without the base if that was given.
+  // Columns by name, without the forces, and the base if that was given.
   std::vector<std::string> columns;
   for (const std::string& name : log.ColumnNames()) {
-    if (name != request.base) columns.push_back(name);
-  }
-  const PlacesByName by_name = FindPlacesByName(columns, storeys);
-  std::string base = request.base == "none" ? "" : request.base;
-  if (request.base.empty()) {
-    const auto found =
-        std::find(by_name.places.begin(), by_name.places.end(), 0);
-    if (found == by_name.places.end()) {
-      question->flag = "base";
-      question->text = log.path +
-                       ": which column is the base (ground) is not clear; "
-                       "columns: " +
-                       Join(log.ColumnNames(), ", ") +
-                       "; 'none' if its motion was not measured";
-      question->example = "COLUMN";
-      return false;
+    if (name != request.base && !IsForce(*record, name)) {
+      columns.push_back(name);
     }
-    base = columns[static_cast<size_t>(found - by_name.places.begin())];
-  } else if (!base.empty() && log.Find(base) == nullptr) {
-    *error = log.path + ": no column " + Quote(base) + " (--base)";
+  }
+  const PlacesByName by_name = PlacesIn(columns, draft);
+  if (!AddBase(log, request, draft, columns, by_name, record, question,
+               error) ||
+      !AddSensors(log, request, draft, columns, by_name, record, question,
+                  error)) {
     return false;
   }
-  if (!base.empty()) {
-    record->base.push_back({base, "", false, 0, request.base.empty()});
-  }
-
-  std::vector<Place> places;
-  if (!request.sensors.empty()) {
-    if (!ParsePlaces(request.sensors, storeys, &places, error)) return false;
-    for (const Place& place : places) {
-      if (log.Find(place.column) == nullptr) continue;
-      record->floors.push_back(
-          {place.column, "", false, place.floor, false, place.is_upside_down});
-    }
-  } else {
-    if (!by_name.doubt.empty()) {
-      AskForSensors(log, by_name, columns, storeys, question);
-      return false;
-    }
-    for (size_t i = 0; i < columns.size(); ++i) {
-      if (columns[i] == base) continue;
-      record->floors.push_back(
-          {columns[i], "", false, by_name.places[i], true});
-    }
-  }
-  if (record->floors.empty()) {
-    *error = log.path +
-             ": no column is a sensor on a floor; name them with "
-             "--sensors=COLUMN=FLOOR,...";
-    return false;
-  }
-  std::stable_sort(record->floors.begin(), record->floors.end(),
-                   [](const DraftSignal& a, const DraftSignal& b) {
-                     return a.floor < b.floor;
-                   });
-  for (std::vector<DraftSignal>* signals : {&record->base, &record->floors}) {
+  for (std::vector<DraftSignal>* signals :
+       {&record->base, &record->forces, &record->floors}) {
     for (DraftSignal& signal : *signals) {
-      if (!SetUnit(log, request, &signal, question, error)) return false;
+      if (!SetUnit(log, request, signals == &record->forces, &signal, question,
+                   error)) {
+        return false;
+      }
     }
   }
   return true;
@@ -258,7 +435,7 @@ FirstMode FirstModeOf(const LogFile& log, const DraftRecord& record) {
 
 void DraftStartAndOffsets(const LogFile& log, double first_mode_hz,
                           DraftRecord* record) {
-  record->starts_at_rest = !record->base.empty();
+  record->starts_at_rest = !record->base.empty() || !record->forces.empty();
   const Eigen::Index first = std::clamp<Eigen::Index>(
       static_cast<Eigen::Index>(
           std::ceil(0.5 / (std::max(first_mode_hz, 1e-3) * log.step))),

@@ -13,16 +13,18 @@
 
 namespace pinode {
 
-// Checks the answers that name columns against all files.
+// Checks the answers that name columns against all files, and their places
+// against the draft's storeys or deck.
 [[nodiscard]] bool CheckColumnAnswers(const DraftRequest& request,
                                       const std::vector<LogFile>& logs,
-                                      int storeys, std::string* error);
+                                      const CaseDraft& draft,
+                                      std::string* error);
 
 // Makes the record of a file: base, floors, units. Asks if one is not clear.
 [[nodiscard]] bool DraftRecordOf(const LogFile& log,
-                                 const DraftRequest& request, int storeys,
-                                 DraftRecord* record, DraftQuestion* question,
-                                 std::string* error);
+                                 const DraftRequest& request,
+                                 const CaseDraft& draft, DraftRecord* record,
+                                 DraftQuestion* question, std::string* error);
 
 // Finds the first mode in a drafted record. Signs are those of the draft.
 FirstMode FirstModeOf(const LogFile& log, const DraftRecord& record);
