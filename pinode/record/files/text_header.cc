@@ -13,6 +13,19 @@ namespace {
 // Lines above the rows that are searched for names and units.
 constexpr size_t kMostHeaderLines = 6;
 
+// Units that stand beside those of the table, of temperatures for instance. In
+// brackets any unit may.
+bool IsOtherUnit(const std::string& cell) {
+  for (const char* unit :
+       {"\u00B0C", "C",   "degC", "\u00B0F", "degF", "K",   "\u00B0",
+        "deg",     "rad", "rpm",  "1/min",   "Hz",   "bar", "mbar",
+        "hPa",     "kPa", "Pa",   "MPa",     "Nm",   "kNm", "A",
+        "mA",      "W",   "kW",   "%RH"}) {
+    if (cell == unit) return true;
+  }
+  return false;
+}
+
 bool IsUnitRow(const std::vector<std::string>& cells) {
   size_t known = 0;
   size_t filled = 0;
@@ -22,7 +35,8 @@ bool IsUnitRow(const std::vector<std::string>& cells) {
     double number = 0.0;
     if (!ParseDouble(cell, &number) && !UnitOfCell(cell).empty()) {
       ++known;
-    } else if (cell.front() != '[' && cell.front() != '(') {
+    } else if (cell.front() != '[' && cell.front() != '(' &&
+               !IsOtherUnit(cell)) {
       return false;
     }
   }

@@ -239,6 +239,20 @@ TEST(TextTableTest, UnitsOfTheTime) {
               HasSubstr("`time_unit`"));
 }
 
+// A temperature beside accelerations: its unit is not in the table.
+TEST(TextTableTest, RowOfUnitsWithOthers) {
+  for (const char* unit : {"\u00B0C", "C", "K", "%RH"}) {
+    const std::string text = std::string("Zeit;base;floor 1;Temp\ns;mg;mg;") +
+                             unit + "\n0,5;1,5;2;20\n1,5;4;5,5;20\n2;1;2;21\n";
+    const Table table = ParseText(text, WithTime("Zeit"));
+    EXPECT_EQ(table.FindColumn("floor 1"), 2) << unit;
+    EXPECT_THAT(table.units, ElementsAre("s", "mg", "mg", "")) << unit;
+  }
+  // Names, with nothing above them.
+  const Table table = ParseText("g;C;K\n1;2;3\n2;3;4\n");
+  EXPECT_EQ(table.FindColumn("C"), 1);
+}
+
 // A file that gen.py of the measured data has written.
 struct Logger {
   std::string file;
