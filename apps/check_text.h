@@ -1,4 +1,4 @@
-// What a check of a case prints.
+// Output of a check of a case.
 
 #ifndef PINODE_APPS_CHECK_TEXT_H_
 #define PINODE_APPS_CHECK_TEXT_H_

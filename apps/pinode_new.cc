@@ -149,6 +149,13 @@ DraftRequest RequestOfFlags(const std::vector<std::string>& logs) {
 // Checks that a case may be written to `path`.
 bool MayWriteCase(const std::string& path, std::string* error) {
   std::error_code status;
+  const std::filesystem::path folder =
+      std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, status)) {
+    *error = path + ": there is no folder " + folder.string() +
+             "; make it, or give another name with --case";
+    return false;
+  }
   if (!std::filesystem::exists(path, status)) return true;
   if (!FLAGS_overwrite) {
     *error = path +

@@ -86,8 +86,8 @@ frame=(--storeys=5 "--weights=900, 900, 900, 900, 700 kN")
 Run 0 pinode_new before.csv --later=after.csv "${frame[@]}" --case=frame.toml
 grep -q "before.csv: .*'Boden' is the base, 'Etage 1' is on floor 1" stdout ||
   Fail "the places are not printed"
-grep -qF "pinode_damage --baseline=frame_result --case=frame_later.toml" stdout ||
-  Fail "the next steps are not printed"
+next="pinode_damage --baseline=frame_result --case=frame_later.toml"
+grep -qF -- "$next" stdout || Fail "the next steps are not printed"
 for file in frame.toml frame_later.toml; do
   [[ -s $file ]] || Fail "no $file"
   Run 0 pinode_check --case=$file
@@ -114,7 +114,7 @@ grep -q 'file = "../before.csv"' cases/two.toml || Fail "paths"
 [[ $(grep -c 'unit      = "g" ' cases/two.toml) -eq 6 ]] || Fail "units"
 [[ -s check/check.json ]] || Fail "no check"
 
-# What was written stays, but where it may be replaced.
+# A case that is there stays, unless it may be replaced.
 cp frame.toml kept.toml
 Refused "frame.toml exists; give --overwrite" before.csv "${frame[@]}" \
   --case=frame.toml
@@ -125,7 +125,7 @@ Refused "was not written by pinode_new" before.csv "${frame[@]}" \
   --case=own.toml --overwrite
 [[ $(cat own.toml) == '[units]' ]] || Fail "a file of others was replaced"
 
-# What is not clear is asked for, with the flag that answers. No case is left.
+# A question names the flag that answers it, and no case is left.
 # Unclear TEXT ARGUMENT...
 Unclear() {
   Refused "$@" --case=E
@@ -184,6 +184,19 @@ Edited '500s/^([^;]*;)[^;]*/\1nan/'
 Unclear "'Boden' misses 1 samples, the first one 4.94 s" edited.csv \
   "${frame[@]}"
 
+# A sensor that is dead, and a folder that is not there.
+Edited '6,$s/^([^;]*;[^;]*;)[^;]*/\11,0/'
+Unclear "'Etage 1' has the same value in every sample" edited.csv "${frame[@]}"
+Run 0 pinode_new edited.csv "${frame[@]}" --ignore="Etage 1" --case=four.toml
+Run 2 pinode_new before.csv "${frame[@]}" --case=none/case.toml
+grep -q "there is no folder none" stderr || Fail "the folder"
+
+# Loads that nobody measured: no record can be predicted.
+Run 0 pinode_new before.csv later.csv "${frame[@]}" --base=none --ignore=Boden \
+  --case=ambient.toml
+[[ $(grep -c 'excitation = "ambient"' ambient.toml) -eq 2 ]] || Fail "ambient"
+! grep -q holdout ambient.toml || Fail "an ambient hold-out"
+
 # Pounds and inches, a sensor upside down, and sensors on some of the floors.
 Edited '4s/Etage 3/x/; 4s/;x;/;unten;/'
 Run 0 pinode_new edited.csv --storeys=5 --weights="200 kip" --case=kip.toml \
@@ -204,7 +217,7 @@ Run 0 pinode_new turned.csv "${frame[@]}" --case=signed.toml \
 
 # A deck with its exports in place of storeys, and forces in place of the base.
 mkdir deck
-cp -- "$frame_data"/frame.{inp,dof} "$frame_data"/*.sti.gz "$frame_data"/*.mas.gz \
+cp -- "$frame_data"/frame.{inp,dof} "$frame_data"/*.{sti,mas}.gz \
   "$frame_data"/healthy_1.csv deck
 deck=(--deck=deck/frame.inp "--force=fx=3153.1,fy=2151.2")
 units=(--deck_units=N,m --factor=2 --unit=m/s^2 --force_unit=N)
@@ -220,7 +233,8 @@ Unclear "with a node of the deck" deck/healthy_1.csv "${deck[@]}" \
 Unclear "expected one of them" deck/healthy_1.csv "${deck[@]}" "${units[@]}" \
   --storeys=3
 cp deck/frame.inp alone.inp
-Unclear "no matrices alone.sti" deck/healthy_1.csv --deck=alone.inp "${units[@]}"
+Unclear "no matrices alone.sti" deck/healthy_1.csv --deck=alone.inp \
+  "${units[@]}"
 Run 0 pinode_new deck/healthy_1.csv "${deck[@]}" "${units[@]}" \
   --sensors="$sensors" --case=deck.toml
 [[ $(grep -c '^changed_export' deck.toml) -eq 9 ]] || Fail "groups"

@@ -78,7 +78,9 @@ bool CheckFiles(const DraftRequest& request, std::string* error) {
 bool ReadStoreys(const DraftRequest& request, int* storeys,
                  DraftQuestion* question, std::string* error) {
   if (request.storeys.empty()) {
-    *question = {"storeys", "How many storeys the building has is not known",
+    *question = {"storeys",
+                 "How many storeys the building has is not known (a "
+                 "finite-element model: --deck)",
                  "5"};
     return false;
   }
@@ -386,7 +388,15 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
       }
     }
     record.name = RecordName(logs[i].path, draft->records);
-    record.is_holdout = i == holdout;
+    // Unmeasured loads cannot be predicted from.
+    const bool is_ambient = record.base.empty() && record.forces.empty();
+    if (is_ambient && logs[i].path == request.holdout) {
+      *error = "--holdout: " + logs[i].path +
+               " has neither base nor force, so that nothing can be predicted; "
+               "give --holdout=none";
+      return false;
+    }
+    record.is_holdout = i == holdout && !is_ambient;
     const FirstMode mode = FirstModeOf(logs[i], record);
     DraftStartAndOffsets(logs[i], mode.hz, &record);
     if (!record.is_holdout && draft->first_mode_hz <= 0.0) {

@@ -76,7 +76,7 @@ struct DraftRecord {
   std::vector<DraftSignal> floors;  // or other places of sensors
 };
 
-// Where the initial stiffnesses come from.
+// Source of the initial stiffnesses.
 enum class StiffnessOrigin { kGiven, kFirstMode, kGivenFirstMode };
 
 struct CaseDraft {

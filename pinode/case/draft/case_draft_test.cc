@@ -156,7 +156,7 @@ TEST_F(CaseDraftTest, LastOfSeveralRecordsIsHeldOut) {
 
 TEST_F(CaseDraftTest, SensorUpsideDownIsSaidAndNotTurned) {
   request_.logs = {folder_.Write("turned.csv", TwoStoreys(1.0, 0.0, true))};
-  // Of two sensors none is in the majority.
+  // Neither of two sensors is in the majority.
   EXPECT_THAT(DraftOrFail()[0].remarks, IsEmpty());
   request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=1,Dach=-2";
   const CaseDraft draft = DraftOrFail()[0];

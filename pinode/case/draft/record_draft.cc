@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
@@ -156,6 +157,25 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
                      ", and add it to the case by hand (pinode/case/README.md)"
                : "--" + flag + ": " + Quote(given) + " is no unit of " + what +
                      "; use one of " + Join(KnownUnits(wanted), " ");
+  return false;
+}
+
+// Refuses a column that does not move.
+bool CheckMoves(const LogFile& log, const DraftSignal& signal,
+                std::string* error) {
+  const Vector& samples = log.Find(signal.column)->samples;
+  double lowest = kInfinity;
+  double highest = -kInfinity;
+  for (const double value : samples) {
+    if (std::isnan(value)) continue;
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
+  if (highest > lowest) return true;
+  *error = log.path + ": column " + Quote(signal.column) +
+           " has the same value in every sample, as a dead sensor has; leave "
+           "it out with --ignore=\"" +
+           signal.column + "\"";
   return false;
 }
 
@@ -412,8 +432,10 @@ bool DraftRecordOf(const LogFile& log, const DraftRequest& request,
   for (std::vector<DraftSignal>* signals :
        {&record->base, &record->forces, &record->floors}) {
     for (DraftSignal& signal : *signals) {
-      if (!SetUnit(log, request, signals == &record->forces, &signal, question,
-                   error)) {
+      // A force may be zero in one record.
+      const bool is_force = signals == &record->forces;
+      if ((!is_force && !CheckMoves(log, signal, error)) ||
+          !SetUnit(log, request, is_force, &signal, question, error)) {
         return false;
       }
     }

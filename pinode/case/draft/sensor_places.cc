@@ -28,7 +28,7 @@ const Words& RoofWords() {
 const Words& StoreyWords() {
   static const Words words = {"etage",    "\xC3\xA9tage", "\xC3\x89tage",
                               "stock",    "stockwerk",    "og",
-                              "geschoss", "obergeschoss", "geschosz"};
+                              "geschoss", "obergeschoss", "gescho\xC3\x9F"};
   return words;
 }
 // Counted from the ground in some countries.
