@@ -58,7 +58,7 @@ IdentificationProblem OnlyBlock(const IdentificationProblem& problem,
   return result;
 }
 
-// By how much a block contradicts the estimate of an unknown: its shift in
+// Contradiction between a block and the estimate of an unknown: the shift in
 // standard deviations of the difference, 0 where it is of no account.
 double Contradiction(const BlockEstimates& estimates,
                      const BlockEstimate& block, Eigen::Index j,

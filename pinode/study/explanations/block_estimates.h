@@ -23,7 +23,7 @@ struct RecordBlock {
   double level = 1.0;
 };
 
-// What a block alone says of the unknowns of a fit.
+// Estimate of the unknowns of a fit from one block alone.
 struct BlockEstimate {
   RecordBlock block;
   // One per free unknown, in the order of ParameterLayout::free(). Change from
