@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/case/results/grown_case.h"
 #include "pinode/case/results/same_structure.h"
@@ -45,6 +46,52 @@ struct Result {
   std::vector<ExplainedValue> doubts;  // as in Baseline
 };
 
+double NumberOr(const Json& object, const char* key, double otherwise) {
+  const Json value = object.value(key, Json());
+  return value.is_number() ? value.get<double>() : otherwise;
+}
+
+// Reads what DoubtsOf asks of a result. Results of earlier versions have less.
+IdentificationSummary DoubtsIn(const Json& json) {
+  IdentificationSummary summary;
+  std::vector<Finding> findings;
+  for (const Json& finding : json.value("findings", Json::array())) {
+    if (!finding.is_object()) continue;
+    Finding read;
+    const Json check = finding.value("check", Json());
+    if (check.is_string()) read.check = check;
+    if (finding.value("grade", Json()) == GradeName(Grade::kWithCare)) {
+      read.grade = Grade::kWithCare;
+    }
+    findings.push_back(std::move(read));
+  }
+  summary.verdict = Verdict(std::move(findings));
+  for (const Json& parameter : json["parameters"]) {
+    ParameterEstimate estimate;
+    estimate.name = parameter["name"];
+    estimate.value = parameter["value"];
+    estimate.lower95 = NumberOr(parameter, "lower95", estimate.value);
+    estimate.upper95 = NumberOr(parameter, "upper95", estimate.value);
+    estimate.half_width95 = NumberOr(parameter, "half_width95", 0.0);
+    summary.parameters.push_back(std::move(estimate));
+  }
+  for (const Json& explanation : json.value("explanations", Json::array())) {
+    if (!explanation.is_object()) continue;
+    Explanation read;
+    read.log_odds = NumberOr(explanation, "log_odds", 0.0);
+    for (const Json& value : explanation.value("values", Json::array())) {
+      if (!value.is_object() || !value.value("name", Json()).is_string()) {
+        continue;
+      }
+      read.values.push_back({value["name"], NumberOr(value, "value", kNaN),
+                             NumberOr(value, "lower95", kNaN),
+                             NumberOr(value, "upper95", kNaN)});
+    }
+    summary.explanations.push_back(std::move(read));
+  }
+  return summary;
+}
+
 bool ReadResult(const std::string& path, Result* result, std::string* error) {
   std::string text;
   if (!ReadTextFile(path, &text, error)) return false;
@@ -66,8 +113,6 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
              "), expected one of a healthy record that is";
     return false;
   }
-  const bool with_care =
-      json.value("verdict", Json()) == GradeName(Grade::kWithCare);
   std::vector<double> values;
   for (const Json& parameter : json["parameters"]) {
     if (!parameter.is_object() ||
@@ -80,12 +125,6 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
     result->names.push_back(parameter["name"]);
     values.push_back(parameter["value"]);
     if (parameter["free"] == true) result->free.push_back(parameter["name"]);
-    const Json lower = parameter.value("lower95", Json());
-    const Json upper = parameter.value("upper95", Json());
-    if (with_care && lower.is_number() && upper.is_number()) {
-      result->doubts.push_back(
-          {parameter["name"], parameter["value"], lower, upper});
-    }
   }
   const Json undetermined = json.value("undetermined", Json::array());
   for (const Json& direction : undetermined) {
@@ -93,6 +132,7 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   }
   result->values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
+  result->doubts = DoubtsOf(DoubtsIn(json));
   return true;
 }
 

@@ -5,6 +5,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/study/problem/growth.h"
 
 namespace pinode {
@@ -52,13 +53,37 @@ std::string FollowingText(const std::string& covariate, double reference,
   return text;
 }
 
-std::vector<ExplainedValue> IntervalsOf(const FitSummary& summary) {
-  std::vector<ExplainedValue> intervals;
-  for (const ParameterEstimate& estimate : summary.parameters) {
-    intervals.push_back(
-        {estimate.name, estimate.value, estimate.lower95, estimate.upper95});
+std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary) {
+  std::vector<ExplainedValue> doubts;
+  if (summary.verdict.grade() != Grade::kWithCare) return doubts;
+  const std::vector<Finding>& findings = summary.verdict.findings();
+  const bool misses_motion =
+      std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.check == kUnexplainedMotion;
+      });
+  for (const ParameterEstimate& own : summary.parameters) {
+    if (misses_motion) {
+      doubts.push_back({own.name, own.value, own.lower95, own.upper95});
+      continue;
+    }
+    ExplainedValue doubt{own.name, own.value, own.value - own.half_width95,
+                         own.value + own.half_width95};
+    for (const Explanation& explanation : summary.explanations) {
+      // Those with about the odds of the best are not told from it.
+      if (explanation.log_odds < limits::kLogOdds ||
+          explanation.log_odds <
+              summary.explanations[0].log_odds - limits::kLogOdds) {
+        break;
+      }
+      for (const ExplainedValue& value : explanation.values) {
+        if (value.name != own.name) continue;
+        doubt.lower95 = std::min(doubt.lower95, value.lower95);
+        doubt.upper95 = std::max(doubt.upper95, value.upper95);
+      }
+    }
+    doubts.push_back(std::move(doubt));
   }
-  return intervals;
+  return doubts;
 }
 
 std::map<std::string, std::string> FollowingTexts(
@@ -123,9 +148,7 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
   }
   result.parameter_values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
-  if (summary.verdict.grade() == Grade::kWithCare) {
-    result.doubts = IntervalsOf(summary);
-  }
+  result.doubts = DoubtsOf(summary);
   HealthyFit fit;
   fit.problem = problem;
   fit.summary = summary;

@@ -53,8 +53,7 @@ struct Baseline {
   std::vector<std::string> parameter_names;
   Vector parameter_values;
 
-  // Intervals of named parameters of a result that is usable with care: as wide
-  // as what the model may lack. Empty for others.
+  // DoubtsOf the result.
   std::vector<ExplainedValue> doubts = {};
 
   // Fit of the baseline. Null if only the groups' values are known, with the
@@ -81,8 +80,11 @@ std::string FollowingText(const std::string& covariate, double reference,
 std::map<std::string, std::string> FollowingTexts(
     const StructuralDynamics& dynamics);
 
-// Returns the values and intervals of the named parameters.
-std::vector<ExplainedValue> IntervalsOf(const FitSummary& summary);
+// Returns how far the named parameters of a result with care may be off: as far
+// as the intervals of the likeliest explanations reach or, where motion is
+// unexplained, its own intervals, which are as wide as what the model may lack.
+// Returns none for other results.
+std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary);
 
 // Makes a baseline from a usable fit of baseline records with a covariance.
 // Returns false, with *error, if the fit is not usable, or if no group is free.

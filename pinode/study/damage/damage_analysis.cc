@@ -105,7 +105,7 @@ class Analyst {
     std::string why;
     verdict_ = summary.verdict;
     choice_ = summary.choice;
-    judged_ = IntervalsOf(summary);
+    doubts_ = DoubtsOf(summary);
     const bool kinds =
         !candidates_.empty() && healthy_records_.Refit(&inner_, &why) &&
         LookForKinds(&why) && (found_.empty() || IdentifyWithFound(&why));
@@ -222,8 +222,8 @@ class Analyst {
                " is not usable: " + found.summary.message;
       return false;
     }
+    doubts_ = DoubtsOf(found.summary);
     verdict_ = std::move(found.summary.verdict);
-    judged_ = IntervalsOf(found.summary);
     choice_ = std::move(found.summary.choice);
     fit_of_new_ = {kNewRecords, std::move(found.problem),
                    std::move(found.summary), std::move(found.model)};
@@ -336,8 +336,7 @@ class Analyst {
       const double change = result_.estimate.groups[j].change;
       const double moved =
           options.absolute[j] ? change : (1.0 + before) * change;
-      within[j] = (verdict_.grade() == Grade::kWithCare &&
-                   Reaches(judged_, groups_[j], -moved)) ||
+      within[j] = Reaches(doubts_, groups_[j], -moved) ||
                   Reaches(baselines_[0].doubts, groups_[j], moved);
     }
     return within;
@@ -530,9 +529,9 @@ class Analyst {
 
   Candidates candidates_, found_;
   FitOfRecords fit_of_new_, fit_of_groups_;
-  // Verdict, intervals and choice of the result in fit_of_new_.
+  // Verdict, doubts and choice of the result in fit_of_new_.
   Verdict verdict_;
-  std::vector<ExplainedValue> judged_;
+  std::vector<ExplainedValue> doubts_;
   ModelChoice choice_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.

@@ -7,7 +7,6 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
-#include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/block_estimates.h"
 #include "pinode/study/explanations/confusions.h"
@@ -234,25 +233,9 @@ class Report {
     return interval.unit.empty() ? result : result + " " + interval.unit;
   }
 
-  // True if the best explanation leaves nothing but noise.
-  bool IsExplained() const {
-    const std::vector<Refit>& refits = search_.refits();
-    if (refits.empty() || !(refits[0].log_odds > limits::kLogOdds)) {
-      return false;
-    }
-    return std::all_of(
-        refits[0].fit.records.begin(), refits[0].fit.records.end(),
-        [](const RecordScore& score) {
-          return score.role != IdentificationRecord::Role::kTrain ||
-                 StructuredError(score) < limits::kNotedUnexplained;
-        });
-  }
-
-  // Intervals that hold what the best explanations make of each parameter and,
-  // where these leave more than noise, what all suspects of usual size together
-  // would.
+  // Intervals that hold what the best explanation makes of each parameter, and
+  // what all suspects of usual size together would.
   void Widen(Explained* result) const {
-    const bool is_explained = IsExplained();
     const SuspectScores& scores = search_.scores();
     for (const ParameterEstimate& own : fit_.parameters) {
       if (!own.free) continue;
@@ -262,21 +245,16 @@ class Report {
         if (std::isfinite(upper)) wide.upper95 = std::max(wide.upper95, upper);
       };
       for (size_t j = 0; j < scores.names.size(); ++j) {
-        if (scores.names[j] != own.name || is_explained) continue;
+        if (scores.names[j] != own.name) continue;
         const Eigen::Index i = static_cast<Eigen::Index>(j);
         if (i >= scores.usual_shifts.size()) continue;
         const double moved = own.value + scores.usual_shifts[i];
         const double half = 1.96 * scores.usual_deviations[i];
         include(moved - half, moved + half);
       }
-      for (const Explanation& explanation : result->explanations) {
-        // Those with about the odds of the best are not told from it.
-        if (explanation.log_odds < limits::kLogOdds ||
-            explanation.log_odds <
-                result->explanations[0].log_odds - limits::kLogOdds) {
-          break;
-        }
-        for (const ExplainedValue& value : explanation.values) {
+      if (!result->explanations.empty() &&
+          result->explanations[0].log_odds > limits::kLogOdds) {
+        for (const ExplainedValue& value : result->explanations[0].values) {
           if (value.name == own.name) include(value.lower95, value.upper95);
         }
       }

@@ -19,10 +19,9 @@ struct Explained {
   // Findings against the fit.
   std::vector<Finding> findings;
   // For each named unknown of the fit, an interval for a result that lacks
-  // something: it holds the fit's own, those of the best explanations where
-  // they have odds of 20 and, where the best leaves more than noise, that of
-  // the fit linearised with all suspects as unknowns, each with a prior of the
-  // size that such errors usually have.
+  // something: it holds the fit's own, that of the best explanation where it
+  // has odds of 20, and that of the fit linearised with all suspects as
+  // unknowns, each with a prior of the size that such errors usually have.
   std::vector<ExplainedValue> intervals;
 };
 
