@@ -64,10 +64,9 @@ double Contradiction(const BlockEstimates& estimates,
                      const BlockEstimate& block, Eigen::Index j,
                      const ParameterEstimate& own) {
   const double shift = std::abs(block.shifts[j]);
+  const bool is_factor = own.unit.empty() || own.unit == "1";
   const double least =
-      limits::kBlockShare *
-      std::max(own.unit.empty() || own.unit == "1" ? 1.0 : std::abs(own.value),
-               0.0);
+      limits::kBlockShare * (is_factor ? 1.0 : std::abs(own.value));
   if (!(shift > std::max(own.half_width95, least))) return 0.0;
   const double variance =
       std::pow(block.deviations[j], 2) - std::pow(estimates.deviations[j], 2);
