@@ -190,6 +190,13 @@ int main(int argc, char** argv) {
   const int status = pinode::RunProgram(argc, argv);
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  if (errno == 0) {
+    // A write before the last one failed and left the buffer empty. Another one
+    // to the same place says why.
+    std::clearerr(stdout);
+    std::fputc('\n', stdout);
+    std::fflush(stdout);
+  }
   const char* why =
       errno != 0 ? std::strerror(errno) : "an earlier write failed";
   std::fprintf(stderr, "standard output cannot be written: %s\n", why);
