@@ -330,9 +330,22 @@ void CheckSpectra(const FitSummary& fit, Findings* findings) {
   }
 }
 
+// True if the initial model has the measured modes, up to rounding: nothing is
+// left to be met better.
+bool InitialModelMeetsModes(const FitSummary& fit) {
+  constexpr double kRounding = 1e-9;
+  return std::all_of(
+      fit.modes.begin(), fit.modes.end(), [](const ModeScore& mode) {
+        const double error = mode.initial.frequency / mode.frequency - 1.0;
+        return !mode.InUse() || (std::abs(error) < kRounding &&
+                                 !(mode.initial.mac < 1.0 - kRounding));
+      });
+}
+
 void CheckModalCost(const FitSummary& fit, Findings* findings) {
   if (fit.modes.empty() || HasTrainRecord(fit) ||
-      fit.final_modal_cost < fit.initial_modal_cost) {
+      fit.final_modal_cost < fit.initial_modal_cost ||
+      InitialModelMeetsModes(fit)) {
     return;
   }
   findings->push_back(

@@ -93,6 +93,9 @@ TEST(Usable, SaysWhatIsMissing) {
   summary.modes[0].updated = {0, 2.0, 1.0};
   summary.initial_modal_cost = summary.final_modal_cost = 1.0;
   EXPECT_THAT(Judged(summary), HasSubstr("modes are not met better"));
+  summary.modes[0].initial = summary.modes[0].updated;
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << summary.message;
 }
 
 // Of a fit to modes alone, which are to be added.
