@@ -1,6 +1,7 @@
 #include "pinode/estimate/fit/fit_once.h"
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -37,12 +38,13 @@ void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
   const FitState& best = fit.best();
   summary->gradient_cosine = best.optimality.cosine;
   summary->promised_share = best.optimality.promise;
-  // Error below which a simulation is limited by rounding alone. A last stage
-  // that was undone ended elsewhere.
+  // Error below which a simulation, or a mode, is limited by rounding alone. A
+  // last stage that was undone ended elsewhere.
   constexpr double kExact = 1e-6;
   const bool undone =
       !summary->stages.empty() && summary->stages.back().rolled_back;
-  const bool exact = with_records && best.free_run_error < kExact;
+  const bool exact = with_records ? best.free_run_error < kExact
+                                  : std::abs(best.cost) < kExact * kExact;
   const double first_cost =
       summary->iterations.empty() ? 0.0 : summary->iterations.front().cost;
   summary->stalled = !fit.layout().HasNetworkDecay() && !undone && !exact &&
