@@ -70,9 +70,8 @@ struct MissedMotion {
   double healthy = 0.0;  // of the baselines
   double groups = 0.0;   // of the new records, with groups alone
   double last = 0.0;     // with all found changes; 0: unknown
-  // Per subject, true if the value of one fit lies in the interval of the
-  // other, as wide as other explanations of what that misses reach. Empty: for
-  // none.
+  // Per subject, true if the intervals of the two fits overlap, as wide as
+  // other explanations of what they miss reach. Empty: for none.
   std::vector<bool> within_doubt = {};
 
   // True if much more is unexplained than in the baselines: part of the change

@@ -53,21 +53,25 @@ std::string FollowingText(const std::string& covariate, double reference,
   return text;
 }
 
+bool MissesMotion(const Verdict& verdict) {
+  const std::vector<Finding>& findings = verdict.findings();
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) {
+                       return finding.check == kUnexplainedMotion;
+                     });
+}
+
 std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary) {
   std::vector<ExplainedValue> doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
-  const std::vector<Finding>& findings = summary.verdict.findings();
-  const bool misses_motion =
-      std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.check == kUnexplainedMotion;
-      });
+  const bool misses_motion = MissesMotion(summary.verdict);
   for (const ParameterEstimate& own : summary.parameters) {
-    if (misses_motion) {
-      doubts.push_back({own.name, own.value, own.lower95, own.upper95});
-      continue;
-    }
     ExplainedValue doubt{own.name, own.value, own.value - own.half_width95,
                          own.value + own.half_width95};
+    if (misses_motion) {
+      doubt.lower95 = std::min(doubt.lower95, own.lower95);
+      doubt.upper95 = std::max(doubt.upper95, own.upper95);
+    }
     for (const Explanation& explanation : summary.explanations) {
       // Those with about the odds of the best are not told from it.
       if (explanation.log_odds < limits::kLogOdds ||

@@ -80,8 +80,11 @@ std::string FollowingText(const std::string& covariate, double reference,
 std::map<std::string, std::string> FollowingTexts(
     const StructuralDynamics& dynamics);
 
+// True if motion is unexplained.
+bool MissesMotion(const Verdict& verdict);
+
 // Returns how far the named parameters of a result with care may be off: as far
-// as the intervals of the likeliest explanations reach or, where motion is
+// as the intervals of the likeliest explanations reach and, where motion is
 // unexplained, its own intervals, which are as wide as what the model may lack.
 // Returns none for other results.
 std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary);

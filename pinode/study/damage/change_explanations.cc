@@ -18,6 +18,9 @@ constexpr size_t kMostAdditions = 2;
 constexpr int kMostExtensions = 3;
 // Part of the model's damping below which it cannot scale a change.
 constexpr double kDampingNearlyGone = 0.1;
+// Largest cost of the likeliest set in multiples of that with all that was
+// found: a tenth more of the squares of the residuals.
+constexpr double kMostCost = 1.1;
 // Number of explanations to report.
 constexpr size_t kMostListed = 6;
 
@@ -197,6 +200,31 @@ double ChangeExplanations::LeastNeeded(const Refit& refit, int* entry) {
   return largest;
 }
 
+std::vector<int> ChangeExplanations::NeededOf(const Refit& refit) const {
+  const ChangeModel& model = refit.fit.model;
+  std::vector<int> entries = refit.entries;
+  std::vector<int> changed = refit.changed;
+  double cost = refit.fit.posterior.cost;
+  while (!entries.empty()) {
+    size_t least = 0;
+    double least_cost = kInfinity;
+    for (size_t k = 0; k < entries.size(); ++k) {
+      const double without =
+          model.PosteriorOf(refit.fit.cost, SetWithout(changed, changed[k]))
+              .cost;
+      if (without < least_cost) {
+        least = k;
+        least_cost = without;
+      }
+    }
+    if (FamilyWise(least_cost - cost) <= options_.false_alarm_rate) break;
+    cost = least_cost;
+    entries = SetWithout(entries, entries[least]);
+    changed = SetWithout(changed, changed[least]);
+  }
+  return entries;
+}
+
 void ChangeExplanations::Extend() {
   for (int round = 0; round < kMostExtensions; ++round) {
     const Refit* found = Best();
@@ -237,6 +265,8 @@ bool ChangeExplanations::Run(const std::vector<int>& found,
   const Refit* own = Find(found);
   if (own == nullptr) return false;
   const Refit from = *own;
+  const std::vector<int> needed = NeededOf(from);
+  if (!needed.empty()) Try(needed, &from);
   size_t count = 0;
   for (const auto& [one, other] : exchanges) {
     if (++count > kMostSetExchanges) break;
@@ -244,17 +274,23 @@ bool ChangeExplanations::Run(const std::vector<int>& found,
   }
   Extend();
   if (refitter_.interrupted()) return false;
+  // None of the sets stands for all that was found.
+  if (Best() == nullptr ||
+      Best()->fit.cost.cost > kMostCost * refitter_.cost_with_all()) {
+    return false;
+  }
   Report(result);
   return !result->explanations.empty();
 }
 
 void ChangeExplanations::Report(ExplainedChange* result) {
-  // Sets whose changes are all needed, or that the test found.
+  // Sets whose changes are all needed, and the likeliest of all: beside that,
+  // one whose changes are all needed may describe next to nothing.
   std::vector<const Refit*> needed;
   for (const Refit& refit : refits_) {
     int unused = -1;
     if (refit.entries.empty()) continue;
-    if (refit.entries.size() == 1 || between_ ||
+    if (refit.entries.size() == 1 || between_ || &refit == Best() ||
         LeastNeeded(refit, &unused) <= options_.false_alarm_rate) {
       needed.push_back(&refit);
     }

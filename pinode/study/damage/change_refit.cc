@@ -208,6 +208,7 @@ ChangeRefitter::ChangeRefitter(const FitOfRecords& fit,
   known_ = LinearizeAtFit(with_all.problem, layout, with_all.model,
                           with_all.summary.records, options.num_threads, &cost);
   memory_ = cost.memory;
+  cost_with_all_ = cost.system.cost / memory_;
 }
 
 std::string ChangeRefitter::WhyNot() const {
@@ -346,8 +347,9 @@ bool ChangeRefitter::AllFree(ComparedCost* cost) const {
   Problems problems;
   const Vector none = Vector::Zero(static_cast<Eigen::Index>(groups_.size()));
   if (!known_ || !MakeProblems({}, {}, none, &problems)) return false;
-  const IdentifiedModel at = BeginFrom(
-      ParametersByName(fit_.problem, fit_.model), fit_.model, problems.open);
+  IdentifiedModel at = BeginFrom(ParametersByName(fit_.problem, fit_.model),
+                                 fit_.model, problems.open);
+  at.sigmas = with_all_.model.sigmas;
   return Linearize(NamesWith({}), problems.open, at, fit_.summary.records,
                    cost);
 }
@@ -367,6 +369,7 @@ bool ChangeRefitter::RunRound(const std::vector<ChangeCandidate>& candidates,
   }
   FitSummary summary;
   IdentifiedModel model = BeginFrom(*parameters, fit_.model, problems.held);
+  model.sigmas = with_all_.model.sigmas;
   if (ParameterLayout(problems.held).num_free() > 0) {
     const IdentifiedModel start = model;
     inner_.Run("with chosen changes", problems.held, options_, &start, &summary,
@@ -380,6 +383,8 @@ bool ChangeRefitter::RunRound(const std::vector<ChangeCandidate>& candidates,
   *parameters = ParametersByName(problems.held, model);
   IdentifiedModel at = BeginFrom(*parameters, model, problems.open);
   at.decays = model.decays;
+  // Costs of several sets are compared with the same noise.
+  at.sigmas = with_all_.model.sigmas;
   return Linearize(names, problems.open, at, summary.records, cost);
 }
 
@@ -390,8 +395,12 @@ bool ChangeRefitter::Refit(const ChangeModel& model,
                            const std::map<std::string, double>* begin,
                            ChangeRefit* result) {
   if (!known_) return false;
+  // Far from the groups' own fit, candidates that begin at zero may end in
+  // another minimum than the one where they were found.
+  const FitOfRecords& nearest = candidates.empty() ? fit_ : with_all_;
   std::map<std::string, double> parameters =
-      begin != nullptr ? *begin : ParametersByName(fit_.problem, fit_.model);
+      begin != nullptr ? *begin
+                       : ParametersByName(nearest.problem, nearest.model);
   ChangeModel expected = model;
   Vector held = model.values();
   Vector before = held;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/damage/change.h"
 #include "pinode/study/damage/change_candidates.h"
@@ -121,8 +122,8 @@ class ChangeRefitter {
   // Fits with `changed` (entries of `model`: all groups, then `candidates`).
   // Each round fits the changed entries, then moves the others by one
   // Gauss-Newton step of the whole. `near` (may be empty) gives `model` anew in
-  // each round. `begin`: parameters by name; nullptr: those of the fit. Returns
-  // false if a fit fails.
+  // each round. `begin`: parameters by name; nullptr: those of the fit, with
+  // candidates that with all that was found. Returns false if a fit fails.
   [[nodiscard]] bool Refit(const ChangeModel& model,
                            const std::vector<ChangeCandidate>& candidates,
                            const std::vector<int>& changed,
@@ -131,6 +132,8 @@ class ChangeRefitter {
                            ChangeRefit* result);
   // Computes the cost of the groups near the fit with all of them free.
   [[nodiscard]] bool AllFree(ComparedCost* cost) const;
+  // Cost of the new records with all that was found; NaN without records.
+  double cost_with_all() const { return cost_with_all_; }
   bool interrupted() const { return interrupted_; }
 
  private:
@@ -159,6 +162,7 @@ class ChangeRefitter {
   // Factor between the cost and minus a log-likelihood, see FittedCost::memory;
   // for modes alone, the variance of their residuals.
   double memory_ = 1.0;
+  double cost_with_all_ = kNaN;
   bool known_ = false;
   bool interrupted_ = false;
 };

@@ -325,31 +325,40 @@ class Analyst {
     return missed;
   }
 
-  // Per group, see MissedMotion. Several baselines show themselves how much
+  // Per subject, see MissedMotion. Several baselines show themselves how much
   // records differ.
   std::vector<bool> WithinDoubt(const std::vector<GroupState>& healthy,
                                 const ChangeOptions& options) const {
-    std::vector<bool> within(groups_.size(), false);
+    std::vector<bool> within(result_.subjects.size(), false);
     if (healthy.size() != 1) return within;
     for (size_t j = 0; j < groups_.size(); ++j) {
       const double before = healthy[0].values[static_cast<Eigen::Index>(j)];
       const double change = result_.estimate.groups[j].change;
       const double moved =
           options.absolute[j] ? change : (1.0 + before) * change;
-      within[j] = Reaches(doubts_, groups_[j], -moved) ||
-                  Reaches(baselines_[0].doubts, groups_[j], moved);
+      const ExplainedValue then = DoubtOf(baselines_[0].doubts, groups_[j]);
+      const ExplainedValue now = DoubtOf(doubts_, groups_[j]);
+      within[j] = moved >= then.lower95 - now.upper95 &&
+                  moved <= then.upper95 - now.lower95;
+    }
+    // The healthy fit has no value of what is in no group, and held it to be as
+    // in the model.
+    for (size_t j = groups_.size(); j < within.size(); ++j) {
+      within[j] = result_.subjects[j].kind == ChangeKind::kStiffness &&
+                  MissesMotion(verdict_);
     }
     return within;
   }
-  // True if the interval of an estimate holds its value plus `shift`.
-  static bool Reaches(const std::vector<ExplainedValue>& intervals,
-                      const std::string& name, double shift) {
-    return std::any_of(intervals.begin(), intervals.end(),
-                       [&](const ExplainedValue& estimate) {
-                         return estimate.name == name &&
-                                estimate.value + shift >= estimate.lower95 &&
-                                estimate.value + shift <= estimate.upper95;
-                       });
+  // How far an estimate may be off to either side; nothing where nothing is in
+  // doubt.
+  static ExplainedValue DoubtOf(const std::vector<ExplainedValue>& doubts,
+                                const std::string& name) {
+    for (const ExplainedValue& doubt : doubts) {
+      if (doubt.name != name) continue;
+      return {name, 0.0, doubt.lower95 - doubt.value,
+              doubt.upper95 - doubt.value};
+    }
+    return {name, 0.0, 0.0, 0.0};
   }
 
   // The subject of an entry: of groups, then of all candidates. A candidate

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/study/damage/change_refit.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/study_testing.h"
 
@@ -117,6 +118,37 @@ TEST_F(AnalyseDamageTest, LooksForOtherKindsWhereItIsTold) {
   ASSERT_FALSE(result.remarks.empty());
   EXPECT_THAT(result.remarks[0], HasSubstr("the baseline has no records"));
   EXPECT_TRUE(result.added.empty());
+}
+
+// Costs of sets are compared with the noise that all that was found leaves, not
+// with what each of them leaves.
+TEST_F(AnalyseDamageTest, ASetThatDescribesLittleCostsMore) {
+  auto heavier = ChainAt(Vector{{0.05, -0.02, 0.01}});
+  GroupTerm mass;
+  mass.group.name = "more";
+  mass.group.target = MatrixGroup::Target::kMass;
+  mass.group.matrix = Vector(Vector::Unit(3, 1)).asDiagonal();
+  mass.alpha.value = 0.3;
+  std::string error;
+  ASSERT_TRUE(heavier->AddGroup(mass, &error)) << error;
+  const TestFit fit = FitOf(MeasuredChain(3, *heavier, 3));
+  DamageAnalysisOptions options;
+  options.search = LookEverywhere(fit.problem);
+  DamageResult result;
+  ASSERT_TRUE(Analyse(fit, {BaselineOrFail()}, options, &result, &error))
+      << error;
+  ASSERT_EQ(result.added.size(), 1u);
+  const FitOfRecords groups_alone = {"new", fit.problem, fit.summary,
+                                     fit.model};
+  const FitOfRecords with_all = {"new", result.problem, result.summary,
+                                 result.model};
+  InnerFit inner;
+  const std::vector<std::string> groups = {"k1", "k2", "k3"};
+  ChangeRefitter refitter(groups_alone, with_all, groups,
+                          IdentificationOptions(), &inner);
+  ComparedCost cost;
+  ASSERT_TRUE(refitter.AllFree(&cost));
+  EXPECT_GT(cost.cost, 100.0 * refitter.cost_with_all());
 }
 
 TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {

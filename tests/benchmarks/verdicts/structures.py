@@ -45,6 +45,13 @@ class Structure:
                 self.springs.append((i - 2, i))
                 self.stiffness.append(0.3 * rng.uniform(0.7, 1.4))
         self.stiffness = np.array(self.stiffness)
+        self.names = [f"u{i + 1}" for i in range(n)]
+        self.moves = np.ones(n)  # with the ground; turns do not
+        self.parts = n  # springs, from the first, that groups are made of
+        self.scale_to(rng)
+
+    def scale_to(self, rng):
+        """A first mode, and damping, as structures have them."""
         wanted = 2 * np.pi * rng.uniform(0.6, 3.0)
         first = linalg.eigh(self.matrix(self.stiffness), np.diag(self.mass),
                             eigvals_only=True, subset_by_index=[0, 0])[0]
@@ -154,22 +161,28 @@ def excitation(rng, samples):
 class Setup:
     """One user's case: structure, loads, sensors, unknowns and faults."""
 
+    make = Structure
+
     def __init__(self, seed, kinds, dofs):
         rng = self.rng = np.random.default_rng(seed)
-        s = self.structure = Structure(rng, *dofs)
+        s = self.structure = self.make(rng, *dofs)
         n = s.dofs
+        places = np.flatnonzero(s.moves)
         self.ground = rng.random() < 0.6
-        self.force_at = int(rng.integers(0, n))
+        self.force_at = int(places[rng.integers(0, len(places))])
         self.quantity = ("absolute_acceleration" if rng.random() < 0.7 else
                          rng.choice(["displacement", "velocity"]))
-        groups = int(rng.integers(2, min(n, 8) + 1))
-        self.groups = [list(part) for part in np.array_split(np.arange(n), groups)]
+        groups = int(rng.integers(2, min(s.parts, 8) + 1))
+        self.groups = [list(part) for part in
+                       np.array_split(np.arange(s.parts), groups)]
         # One group in three is given as right, and is.
         self.free = [bool(rng.random() < 0.7) for _ in self.groups]
         self.free[int(rng.integers(groups))] = True
-        sensors = n if n <= 8 or rng.random() < 0.4 else int(
-            rng.integers(max(3, groups), max(3, groups) + n // 2))
-        self.sensors = sorted(rng.choice(n, min(sensors, n), replace=False))
+        count = len(places)
+        sensors = count if count <= 8 or rng.random() < 0.4 else int(
+            rng.integers(max(3, groups), max(3, groups) + count // 2))
+        self.sensors = sorted(rng.choice(places, min(sensors, count),
+                                         replace=False))
         self.damping_free = bool(rng.random() < 0.4)
         self.noise = 10**rng.uniform(np.log10(0.003), np.log10(0.05))
         self.alphas = [rng.uniform(-0.25, 0.25) if free else 0.0
@@ -190,9 +203,10 @@ class Setup:
         elif kind == "damping_modes":
             fault["size"] = list(rng.uniform(0.5, 1.8, s.dofs))
         elif kind in ("mass", "cubic"):
-            place = int(rng.integers(s.dofs))
+            places = np.flatnonzero(s.moves)
+            place = int(places[rng.integers(len(places))])
             fault["index"] = place
-            fault["place"] = f"u{place + 1}"
+            fault["place"] = s.names[place]
             fault["size"] = (sign * rng.uniform(0.12, 0.4) if kind == "mass"
                              else rng.uniform(0.1, 0.6))
             if kind == "cubic":
@@ -202,7 +216,7 @@ class Setup:
             fault["size"] = sign * rng.uniform(0.1, 0.4)
         elif kind == "stiffness":
             fixed = [j for g, free in zip(self.groups, self.free) if not free
-                     for j in g] + list(range(s.dofs, len(s.springs)))
+                     for j in g] + list(range(s.parts, len(s.springs)))
             if not fixed:
                 return self.draw("mass")
             index = int(rng.choice(fixed))
@@ -261,7 +275,8 @@ class Setup:
             c = left @ np.diag(factors * (a0 + a1 * circular**2)) @ left.T
         else:
             c = s.damping(factors)
-        load = -mass if self.ground else np.eye(n)[self.force_at] * s.mass.mean()
+        load = (-mass * s.moves if self.ground else
+                np.eye(n)[self.force_at] * s.mass.mean())
         k = s.matrix(stiffness)
         records = []
         for u in self.loads:
@@ -270,9 +285,11 @@ class Setup:
                 # As large as this share of the linear force at the peak.
                 j = cubic["index"]
                 i, j2 = s.springs[j]
-                x = simulate(mass, c, k, load, u, None, RATE)[0]
-                d = np.abs(x[:, j2] - (x[:, i] if i >= 0 else 0)).max()
-                spring = ((i, j2), cubic["size"] * stiffness[j] / d**2)
+                if "coefficient" not in cubic:
+                    x = simulate(mass, c, k, load, u, None, RATE)[0]
+                    d = np.abs(x[:, j2] - (x[:, i] if i >= 0 else 0)).max()
+                    cubic["coefficient"] = cubic["size"] * stiffness[j] / d**2
+                spring = ((i, j2), cubic["coefficient"])
             rate = RATE
             for f in faults:
                 # The logger says RATE and samples at another rate.
@@ -284,7 +301,7 @@ class Setup:
             elif self.quantity == "velocity":
                 y = v
             else:
-                y = a + (u[:, None] if self.ground else 0)
+                y = a + (u[:, None] * s.moves if self.ground else 0)
             records.append(self.sense(y[:, self.sensors].T.copy(), faults))
         return records
 
@@ -375,8 +392,10 @@ class Setup:
                  "mass = {diagonal = [" +
                  ", ".join(f"{m:.17g}" for m in s.mass) + "]}",
                  'stiffness = "K.csv"',
-                 "dofs = [" + ", ".join(f'"u{i + 1}"' for i in range(s.dofs)) +
-                 "]"]
+                 "dofs = [" + ", ".join(f'"{name}"' for name in s.names) + "]"]
+        if not s.moves.all():
+            lines.append("influence = {x = [" +
+                         ", ".join(f"{m:g}" for m in s.moves) + "]}")
         if self.damping_free:
             a0, a1 = s.rayleigh()
             lines.append(f"damping = {{rayleigh = [{a0:.17g}, {a1:.17g}]}}")
@@ -403,12 +422,13 @@ class Setup:
                 lines += ["[[record.ground]]", 'direction = "x"',
                           'column = "u"', 'unit = "m/s^2"']
             else:
-                lines += ["[[record.force]]", f'dof = "u{self.force_at + 1}"',
+                lines += ["[[record.force]]", f'dof = "{s.names[self.force_at]}"',
                           'column = "u"', 'unit = "N"',
                           f"scale = {s.mass.mean():.17g}"]
             for j in self.sensors:
                 lines += ["[[record.channel]]", f'column = "a{j + 1}"',
-                          f'quantity = "{self.quantity}"', f'dof = "u{j + 1}"',
+                          f'quantity = "{self.quantity}"',
+                          f'dof = "{s.names[j]}"',
                           f'unit = "{unit}"']
         return "\n".join(lines) + "\n"
 
