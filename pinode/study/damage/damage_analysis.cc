@@ -25,31 +25,12 @@ constexpr double kShareOfKinds = 0.2;
 // What is found may change what else is.
 constexpr int kMaxRounds = 3;
 
-// Iterations after which a fit with other kinds of change in it is given up.
-// Those that converge take 2 to 40; one with hardening springs in a measured
-// frame that has none crept along the edge of divergence for 1,080 and 7 min.
-constexpr int kMostIterations = 100;
-
-// Of the residuals of new records, see MissedOf.
+// As in MissedOf, for new records.
 constexpr double kLeastMissed = 0.3;
 
 constexpr char kNewRecords[] = "the new records";
 
 using Candidates = std::vector<ChangeCandidate>;
-
-// Of the training records, the largest; of those that leave `least_share` of it
-// at least, for from noise alone less cannot be told.
-double MissedOf(const FitSummary& summary, double least_share) {
-  double largest = 0.0;
-  for (const RecordScore& record : summary.records) {
-    const double missed = StructuredError(record);
-    if (record.role == IdentificationRecord::Role::kTrain &&
-        missed >= least_share * record.nrmse) {
-      largest = std::max(largest, missed);
-    }
-  }
-  return largest;
-}
 
 bool Has(const Candidates& candidates, const ChangeCandidate& candidate) {
   return std::any_of(candidates.begin(), candidates.end(),
@@ -173,6 +154,9 @@ class Analyst {
           asked_for.push_back(candidates_[j]);
         }
       }
+      for (ChangeCandidate& candidate : Without(in_both_, asked_for)) {
+        asked_for.push_back(std::move(candidate));
+      }
       if (Without(asked_for, found_).empty() &&
           Without(found_, asked_for).empty()) {
         return true;
@@ -187,7 +171,7 @@ class Analyst {
       IdentificationOptions options = identification_;
       BeginNearTheEnd(&options);
       options.max_num_iterations =
-          std::min(options.max_num_iterations, kMostIterations);
+          std::min(options.max_num_iterations, kMostIterationsWithKinds);
       const IdentifiedModel begin =
           BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
                     fit_of_new_.model, fit.problem);
@@ -204,6 +188,11 @@ class Analyst {
       }
       found_ = std::move(asked_for);
       fit_of_new_ = std::move(fit);
+      if (healthy_records_.RefitWith(
+              found_, ParametersByName(fit_of_new_.problem, fit_of_new_.model),
+              &inner_)) {
+        in_both_ = found_;
+      }
     }
     return true;
   }
@@ -537,6 +526,8 @@ class Analyst {
   DamageResult& result_;
 
   Candidates candidates_, found_;
+  // What the healthy records have too, and the model has not.
+  Candidates in_both_;
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, doubts and choice of the result in fit_of_new_.
   Verdict verdict_;

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <utility>
 
+#include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/study/problem/growth.h"
+
 namespace pinode {
 
 HealthyRecords::HealthyRecords(const std::vector<Baseline>& baselines,
@@ -39,6 +42,54 @@ bool HealthyRecords::Refit(InnerFit* inner, std::string* error) {
     fits_.push_back(std::move(fit));
   }
   return true;
+}
+
+bool HealthyRecords::RefitWith(const std::vector<ChangeCandidate>& found,
+                               const std::map<std::string, double>& values,
+                               InnerFit* inner) {
+  // Five deviations, and as much as each unknown takes by chance.
+  constexpr double kLeastPromise = 12.5;
+  // The part of the unexplained motion that may be left. Wrong candidates leave
+  // half of it; what the model lacks, nothing.
+  constexpr double kMostLeft = 0.3;
+  bool is_any = false;
+  for (FitOfRecords& fit : fits_) {
+    double promise = 0.0;
+    FitOfRecords with;
+    IdentifiedModel begin;
+    std::string unused;
+    if (!PromiseOf(fit, found, options_.num_threads, &promise, &unused) ||
+        promise < kLeastPromise + 0.5 * static_cast<double>(found.size()) ||
+        !WithCandidates(fit, found, &with.problem, &begin, &unused)) {
+      continue;
+    }
+    with.name = fit.name;
+    std::map<std::string, double> start =
+        ParametersByName(fit.problem, fit.model);
+    for (const ChangeCandidate& candidate : found) {
+      const auto value = values.find(candidate.subject.name);
+      if (value != values.end()) start.insert(*value);
+    }
+    IdentificationOptions options = options_;
+    BeginNearTheEnd(&options);
+    options.max_num_iterations =
+        std::min(options.max_num_iterations, kMostIterationsWithKinds);
+    // From where the new records have it, then from nothing.
+    for (const IdentifiedModel& from :
+         {BeginFrom(start, fit.model, with.problem), begin}) {
+      inner->Run("healthy, with what was found", with.problem, options, &from,
+                 &with.summary, &with.model);
+      if (WhyNotSound(options.tuning.gaps, with.summary).empty() &&
+          MissedOf(with.summary, 0.0) <
+              kMostLeft * MissedOf(fit.summary, 0.0)) {
+        fit = std::move(with);
+        is_any = true;
+        break;
+      }
+      if (with.summary.termination == Termination::kInterrupted) return is_any;
+    }
+  }
+  return is_any;
 }
 
 bool HealthyRecords::States(const FitOfRecords& of_new,

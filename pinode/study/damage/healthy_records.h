@@ -3,6 +3,7 @@
 #ifndef PINODE_STUDY_DAMAGE_HEALTHY_RECORDS_H_
 #define PINODE_STUDY_DAMAGE_HEALTHY_RECORDS_H_
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,11 @@
 
 namespace pinode {
 
+// Iterations after which a fit with other kinds of change in it is given up.
+// Those that converge take 2 to 40; one with hardening springs in a measured
+// frame that has none crept along the edge of divergence for 1,080 and 7 min.
+inline constexpr int kMostIterationsWithKinds = 100;
+
 // Fits of the baselines and the states that follow from them. All arguments of
 // the constructor must outlive this object.
 class HealthyRecords {
@@ -32,6 +38,12 @@ class HealthyRecords {
   // Fits the baselines that have records but no parameters yet. Returns false,
   // with *error, if a baseline has no records or its fit does not converge.
   [[nodiscard]] bool Refit(InnerFit* inner, std::string* error);
+  // Fits again, with `found` as unknowns, those whose unexplained motion these
+  // describe: what the model lacks, and lacked before, has a value there too,
+  // and one step from its absence may be far from it. `values`: those in the
+  // new records. Returns true if there is a new fit.
+  bool RefitWith(const std::vector<ChangeCandidate>& found,
+                 const std::map<std::string, double>& values, InnerFit* inner);
   // Fits found by Refit, one per baseline.
   const std::vector<FitOfRecords>& fits() const { return fits_; }
 

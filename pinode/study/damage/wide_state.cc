@@ -6,6 +6,7 @@
 
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
+#include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/damage/baseline.h"
 #include "pinode/study/problem/growth.h"
@@ -31,6 +32,18 @@ bool WithCandidates(const FitOfRecords& fit,
   return true;
 }
 
+double MissedOf(const FitSummary& summary, double least_share) {
+  double largest = 0.0;
+  for (const RecordScore& record : summary.records) {
+    const double missed = StructuredError(record);
+    if (record.role == IdentificationRecord::Role::kTrain &&
+        missed >= least_share * record.nrmse) {
+      largest = std::max(largest, missed);
+    }
+  }
+  return largest;
+}
+
 void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
                   GroupState* state) {
   Vector unit = Vector::Ones(state->values.size());
@@ -43,25 +56,56 @@ void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
   state->covariance = inverse * state->covariance * inverse;
 }
 
-bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
-               const std::vector<ChangeCandidate>& candidates, int num_threads,
-               GroupState* state, std::string* error) {
+namespace {
+
+// Gauss-Newton step from a fit with further unknowns.
+struct Step {
   IdentificationProblem extended;
   IdentifiedModel at;
-  if (!WithCandidates(fit, candidates, &extended, &at, error)) return false;
-  const ParameterLayout layout(extended);
+  Vector gradient;  // of minus the log-likelihood
+  Matrix covariance;
+};
+
+bool FindStep(const FitOfRecords& fit,
+              const std::vector<ChangeCandidate>& candidates, int num_threads,
+              Step* step, std::string* error) {
+  if (!WithCandidates(fit, candidates, &step->extended, &step->at, error)) {
+    return false;
+  }
+  const ParameterLayout layout(step->extended);
   FittedCost cost;
   Matrix root, null_space;
-  if (!LinearizeAtFit(extended, layout, at, fit.summary.records, num_threads,
-                      &cost) ||
+  if (!LinearizeAtFit(step->extended, layout, step->at, fit.summary.records,
+                      num_threads, &cost) ||
       !InvertInformation(cost.system.hessian / cost.memory, &root, &null_space,
-                         InformationRounding(extended))) {
+                         InformationRounding(step->extended))) {
     *error = "the model with all kinds of change in it is not finite";
     return false;
   }
-  const Matrix covariance = root * root.transpose();
-  const Vector solution = layout.Free(at.parameters) -
-                          covariance * cost.system.gradient / cost.memory;
+  step->covariance = root * root.transpose();
+  step->gradient = cost.system.gradient / cost.memory;
+  return true;
+}
+
+}  // namespace
+
+bool PromiseOf(const FitOfRecords& fit,
+               const std::vector<ChangeCandidate>& candidates, int num_threads,
+               double* promise, std::string* error) {
+  Step step;
+  if (!FindStep(fit, candidates, num_threads, &step, error)) return false;
+  *promise = 0.5 * step.gradient.dot(step.covariance * step.gradient);
+  return true;
+}
+
+bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
+               const std::vector<ChangeCandidate>& candidates, int num_threads,
+               GroupState* state, std::string* error) {
+  Step step;
+  if (!FindStep(fit, candidates, num_threads, &step, error)) return false;
+  const ParameterLayout layout(step.extended);
+  const Vector solution =
+      layout.Free(step.at.parameters) - step.covariance * step.gradient;
   std::vector<std::string> names = groups;
   for (const ChangeCandidate& candidate : candidates) {
     names.push_back(candidate.subject.name);
@@ -81,7 +125,7 @@ bool StateNear(const FitOfRecords& fit, const std::vector<std::string>& groups,
     }
   }
   state->values = solution(rows) + AlreadyPresent(*fit.problem.dynamics, names);
-  state->covariance = covariance(rows, rows);
+  state->covariance = step.covariance(rows, rows);
   ScaleToUnits(candidates, state);
   return true;
 }

@@ -23,6 +23,11 @@ struct FitOfRecords {
   IdentifiedModel model;
 };
 
+// Returns the unexplained motion (StructuredError) of the training records, the
+// largest; of those where it is at least `least_share` of the residuals, for
+// from noise alone less cannot be told.
+double MissedOf(const FitSummary& summary, double least_share);
+
 // Scales the entries of `state` after the groups to the units of their
 // candidates.
 void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
@@ -49,6 +54,14 @@ void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
                              const std::vector<std::string>& groups,
                              const std::vector<ChangeCandidate>& candidates,
                              int num_threads, GroupState* state,
+                             std::string* error);
+
+// Computes what these candidates, not yet unknowns of `fit`, promise to save of
+// its cost, as minus a log-likelihood, by the same step. Returns false as
+// StateNear does.
+[[nodiscard]] bool PromiseOf(const FitOfRecords& fit,
+                             const std::vector<ChangeCandidate>& candidates,
+                             int num_threads, double* promise,
                              std::string* error);
 
 // Replaces alpha of groups and masses by log(1 + alpha). If the ground shakes a
