@@ -119,6 +119,12 @@ std::string DescribeMissed(const MissedMotion& missed,
          (found.empty() ? "" : " What stands in for it: " + found + ".");
 }
 
+// True for stiffness that is in no group. The healthy fits hold it as it is in
+// the model, and do not show how much it differs between records.
+bool IsInNoGroup(const ChangeSubject& subject) {
+  return subject.kind == ChangeKind::kStiffness && !subject.place.empty();
+}
+
 bool HasChanged(Reason reason) {
   return reason == Reason::kBeyondThreshold ||
          reason == Reason::kBetweenRecords;
@@ -136,7 +142,8 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
     Reason reason = Reason::kNone;
     if (change.changed && beyond >= kConfidence) {
       reason = Reason::kBeyondThreshold;
-    } else if (change.changed && estimate.has_between_records) {
+    } else if (change.changed && estimate.has_between_records &&
+               !IsInNoGroup(subjects[j])) {
       reason = Reason::kBetweenRecords;
     } else if (change.changed) {
       reason = Reason::kFormal;
@@ -167,6 +174,7 @@ struct Findings {
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
       unsure, unexplained, hidden, doubted;
   bool has_large_loss = false;  // among `damaged`
+  bool has_between_records = false;
   // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
   // Losses of stiffness that explain the records in place of `damaged`, and
@@ -399,7 +407,11 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
   if (!findings.formal.empty()) {
     sentence +=
         " Formally significant, but not beyond the threshold with certainty, "
-        "and one healthy record does not show how much records differ: " +
+        "and " +
+        std::string(findings.has_between_records
+                        ? "the healthy fits hold them to be as in the model: "
+                        : "one healthy record does not show how much records "
+                          "differ: ") +
         Join(findings.formal) + ".";
   }
   // A nonlinear force of another form than those tried leaves an error that
@@ -493,6 +505,7 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
       missed.IsMore() && std::none_of(judgement.reasons.begin(),
                                       judgement.reasons.end(), HasChanged);
   Findings findings;
+  findings.has_between_records = estimate.has_between_records;
   AddRivals(subjects, estimate, &judgement.reasons, &findings);
   AddExplanations(subjects, estimate, &findings);
   AddChanges(subjects, estimate, options, judgement.reasons, &findings);

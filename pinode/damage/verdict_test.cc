@@ -63,6 +63,17 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
   EXPECT_EQ(several.sentence,
             "Damage: k1 (-3 %) lost stiffness, less than the threshold of 5 % "
             "but more than healthy records differ.");
+  // What is in no group is not compared between healthy records.
+  std::vector<ChangeSubject> subjects = kSubjects;
+  subjects[0].place = "u1-u2";
+  ChangeEstimate estimate;
+  estimate.groups = groups;
+  estimate.has_between_records = true;
+  const Judgement spring =
+      JudgeChange(subjects, estimate, ChangeOptions(), MissedMotion());
+  EXPECT_EQ(spring.verdict, DamageVerdict::kNoDamage);
+  EXPECT_EQ(spring.reasons[0], Reason::kFormal);
+  EXPECT_THAT(spring.sentence, HasSubstr("healthy fits hold them"));
 }
 
 TEST(JudgeChange, WhatCannotBeRuledOutIsSaid) {

@@ -207,6 +207,7 @@ struct FieldTable<Explanation> {
                       MakeField("lower95", &Explanation::lower95),
                       MakeField("upper95", &Explanation::upper95),
                       MakeField("removes", &Explanation::removes),
+                      MakeField("leaves", &Explanation::leaves),
                       MakeField("moved", &Explanation::moved),
                       MakeField("shift", &Explanation::shift),
                       MakeField("values", &Explanation::values));

@@ -98,6 +98,9 @@ struct Explanation {
   double upper95 = kNaN;
   // Share of the squared error of the records that it removes.
   double removes = 0.0;
+  // Unexplained motion under it, as a fraction, of the training records the
+  // largest.
+  double leaves = kNaN;
   // Named parameter that it moves most, and by how many half-widths of the 95 %
   // interval. Empty: the model has no interval.
   std::string moved;

@@ -43,7 +43,7 @@ struct Result {
   Vector values;
   std::vector<std::string> free;  // the free ones, in the covariance's order
   std::vector<std::string> undetermined;
-  std::vector<ExplainedValue> doubts;  // as in Baseline
+  Doubts doubts;  // as in Baseline
 };
 
 double NumberOr(const Json& object, const char* key, double otherwise) {
@@ -79,6 +79,13 @@ IdentificationSummary DoubtsIn(const Json& json) {
     if (!explanation.is_object()) continue;
     Explanation read;
     read.log_odds = NumberOr(explanation, "log_odds", 0.0);
+    read.leaves = NumberOr(explanation, "leaves", kNaN);
+    const Json kind = explanation.value("kind", Json());
+    const Json place = explanation.value("place", Json());
+    if (kind.is_string() && place.is_string()) {
+      read.kind = kind;
+      read.place = place;
+    }
     for (const Json& value : explanation.value("values", Json::array())) {
       if (!value.is_object() || !value.value("name", Json()).is_string()) {
         continue;

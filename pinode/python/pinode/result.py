@@ -93,8 +93,9 @@ class _Outcome:
         which it was fitted again. Each has `what`, `kind`, `place`, `log_odds`
         (natural logarithm, against the model as it is), `probability` among all that
         were tried, `values` of the named parameters under it, `value` with `lower95` and
-        `upper95`, `removes` (a share of the squared error), and the named parameter
-        that it moves most, `moved`, by `shift` half-widths of its interval."""
+        `upper95`, `removes` (a share of the squared error), `leaves` (unexplained motion
+        under it, a fraction), and the named parameter that it moves most, `moved`, by
+        `shift` half-widths of its interval."""
         return self._handle.explanations
 
     @property

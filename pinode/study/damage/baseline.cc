@@ -61,8 +61,8 @@ bool MissesMotion(const Verdict& verdict) {
                      });
 }
 
-std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary) {
-  std::vector<ExplainedValue> doubts;
+Doubts DoubtsOf(const IdentificationSummary& summary) {
+  Doubts doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
   const bool misses_motion = MissesMotion(summary.verdict);
   for (const ParameterEstimate& own : summary.parameters) {
@@ -85,7 +85,14 @@ std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary) {
         doubt.upper95 = std::max(doubt.upper95, value.upper95);
       }
     }
-    doubts.push_back(std::move(doubt));
+    doubts.reach.push_back(std::move(doubt));
+  }
+  if (!summary.explanations.empty()) {
+    const Explanation& likeliest = summary.explanations[0];
+    if (likeliest.log_odds > limits::kLogOdds &&
+        likeliest.leaves < limits::kNotedUnexplained) {
+      doubts.whole = likeliest;
+    }
   }
   return doubts;
 }

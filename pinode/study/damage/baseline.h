@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,16 @@ struct HealthyFit {
   bool IsFitted() const { return model.parameters.size() > 0; }
 };
 
+// What may stand in for the values of a result with care.
+struct Doubts {
+  // How far named parameters may be off: as far as the intervals of the
+  // likeliest explanations reach and, where motion is unexplained, the result's
+  // own intervals, which are as wide as what the model may lack.
+  std::vector<ExplainedValue> reach = {};
+  // The likeliest explanation, if it leaves nothing but noise.
+  std::optional<Explanation> whole = std::nullopt;
+};
+
 struct Baseline {
   // Name in messages and reports, such as the folder it was read from.
   std::string name;
@@ -53,8 +64,7 @@ struct Baseline {
   std::vector<std::string> parameter_names;
   Vector parameter_values;
 
-  // DoubtsOf the result.
-  std::vector<ExplainedValue> doubts = {};
+  Doubts doubts = {};  // DoubtsOf the result
 
   // Fit of the baseline. Null if only the groups' values are known, with the
   // reason as half a sentence in `why_no_fit`.
@@ -83,11 +93,8 @@ std::map<std::string, std::string> FollowingTexts(
 // True if motion is unexplained.
 bool MissesMotion(const Verdict& verdict);
 
-// Returns how far the named parameters of a result with care may be off: as far
-// as the intervals of the likeliest explanations reach and, where motion is
-// unexplained, its own intervals, which are as wide as what the model may lack.
-// Returns none for other results.
-std::vector<ExplainedValue> DoubtsOf(const IdentificationSummary& summary);
+// Returns nothing for results that are not with care.
+Doubts DoubtsOf(const IdentificationSummary& summary);
 
 // Makes a baseline from a usable fit of baseline records with a covariance.
 // Returns false, with *error, if the fit is not usable, or if no group is free.

@@ -325,8 +325,15 @@ class Analyst {
       const double change = result_.estimate.groups[j].change;
       const double moved =
           options.absolute[j] ? change : (1.0 + before) * change;
-      const ExplainedValue then = DoubtOf(baselines_[0].doubts, groups_[j]);
-      const ExplainedValue now = DoubtOf(doubts_, groups_[j]);
+      const double scale = options.absolute[j] ? 1.0 : 1.0 + before;
+      if (const std::optional<ExplainedValue> under =
+              MovedUnderOne(groups_[j], moved)) {
+        within[j] = !IsLikeChange(moved, *under, options_.threshold * scale);
+        continue;
+      }
+      const ExplainedValue then =
+          OffsetsOf(baselines_[0].doubts.reach, groups_[j]);
+      const ExplainedValue now = OffsetsOf(doubts_.reach, groups_[j]);
       within[j] = moved >= then.lower95 - now.upper95 &&
                   moved <= then.upper95 - now.lower95;
     }
@@ -338,14 +345,47 @@ class Analyst {
     }
     return within;
   }
-  // How far an estimate may be off to either side; nothing where nothing is in
-  // doubt.
-  static ExplainedValue DoubtOf(const std::vector<ExplainedValue>& doubts,
-                                const std::string& name) {
-    for (const ExplainedValue& doubt : doubts) {
-      if (doubt.name != name) continue;
-      return {name, 0.0, doubt.lower95 - doubt.value,
-              doubt.upper95 - doubt.value};
+  // By how much a group that has `moved` has moved if one explanation of what
+  // the model lacks holds for the healthy records and the new ones; nothing
+  // where there is none that explains both.
+  std::optional<ExplainedValue> MovedUnderOne(const std::string& name,
+                                              double moved) const {
+    const std::optional<Explanation>& then = baselines_[0].doubts.whole;
+    const std::optional<Explanation>& now = doubts_.whole;
+    if (!then || !now || then->kind != now->kind || then->place != now->place) {
+      return std::nullopt;
+    }
+    const ExplainedValue from = OffsetsOf(then->values, name);
+    const ExplainedValue to = OffsetsOf(now->values, name);
+    const double shift =
+        ValueOf(now->values, name) - ValueOf(doubts_.reach, name) -
+        ValueOf(then->values, name) + ValueOf(baselines_[0].doubts.reach, name);
+    const double half_width = std::hypot(from.upper95, to.upper95);
+    if (!std::isfinite(shift) || !std::isfinite(half_width)) {
+      return std::nullopt;
+    }
+    const double value = moved + shift;
+    return ExplainedValue{name, value, value - half_width, value + half_width};
+  }
+  // True if another value of a change is one beyond the threshold as well.
+  static bool IsLikeChange(double moved, const ExplainedValue& other,
+                           double threshold) {
+    return moved < 0.0 ? other.upper95 < -threshold : other.lower95 > threshold;
+  }
+  static double ValueOf(const std::vector<ExplainedValue>& values,
+                        const std::string& name) {
+    for (const ExplainedValue& value : values) {
+      if (value.name == name) return value.value;
+    }
+    return kNaN;
+  }
+  // How far an estimate may be off to either side; nothing where there is none.
+  static ExplainedValue OffsetsOf(const std::vector<ExplainedValue>& values,
+                                  const std::string& name) {
+    for (const ExplainedValue& value : values) {
+      if (value.name != name) continue;
+      return {name, 0.0, value.lower95 - value.value,
+              value.upper95 - value.value};
     }
     return {name, 0.0, 0.0, 0.0};
   }
@@ -531,7 +571,7 @@ class Analyst {
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, doubts and choice of the result in fit_of_new_.
   Verdict verdict_;
-  std::vector<ExplainedValue> doubts_;
+  Doubts doubts_;
   ModelChoice choice_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.

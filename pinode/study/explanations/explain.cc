@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/block_estimates.h"
 #include "pinode/study/explanations/confusions.h"
@@ -150,6 +151,7 @@ class Report {
     if (before > 0.0) {
       result.removes = 1.0 - SquaredError(refit.fit) / before;
     }
+    result.leaves = LeftBy(refit.fit);
     // Damping that is described in another way takes over from the groups.
     const bool changes_damping = std::any_of(
         refit.suspects.begin(), refit.suspects.end(),
@@ -171,6 +173,16 @@ class Report {
       }
     }
     return result;
+  }
+
+  // Unexplained motion, as Explanation::leaves.
+  static double LeftBy(const FitSummary& fit) {
+    double largest = 0.0;
+    for (const RecordScore& score : fit.records) {
+      if (score.role != IdentificationRecord::Role::kTrain) continue;
+      largest = std::max(largest, StructuredError(score));
+    }
+    return largest;
   }
 
   struct Interval {

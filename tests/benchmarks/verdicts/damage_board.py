@@ -169,7 +169,8 @@ def judge(kind, lost, damage):
         if loss < -0.05 and -loss > 3 * half:
             out["seen"] = True
     if damage["verdict"] == "nonlinear" or (
-            damage["verdict"] == "damage" and kind in NO_LOSS):
+            damage["verdict"] == "damage" and
+            (kind in NO_LOSS or kind == "temperature")):
         out["wrong"] += f"verdict {damage['verdict']}; "
     if damage["verdict"] == "no_damage" and out.get("seen"):
         out["wrong"] += "loss beyond three half-widths not called; "
