@@ -6,6 +6,8 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/record/files/array_table.h"
+#include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/time_column.h"
 
@@ -47,17 +49,14 @@ bool IsTimeUnitAssumed(const TextOutline& outline, const LogOptions& options,
 }
 
 // Finds the step from the time column of `table`, or from the given rate.
-bool FindStep(const TextOutline& outline, const Table& table,
-              const LogOptions& options, LogFile* log, TimeGrid* grid,
-              DraftQuestion* question, std::string* error) {
+bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
+              TimeGrid* grid, DraftQuestion* question, std::string* error) {
   if (options.sampling_rate_hz > 0.0) {
     return TimeGridFromStep(table, 1.0 / options.sampling_rate_hz, grid, error);
   }
   std::string unit = options.time_unit;
   if (unit.empty()) unit = table.time_unit;
   if (unit.empty()) unit = "s";
-  log->is_time_unit_assumed =
-      IsTimeUnitAssumed(outline, options, log->time_column, table);
   TimeColumnOptions time;
   if (!UnitFactor(unit, Dimension::kTime, UnitSystem(), &time.factor, error)) {
     *error = "--time_unit: " + *error;
@@ -74,6 +73,97 @@ bool FindStep(const TextOutline& outline, const Table& table,
     return false;
   }
   return true;
+}
+
+// Asks for the column of the time.
+bool AskForTime(const std::string& path, DraftQuestion* question) {
+  question->flag = "time";
+  question->text = path +
+                   ": no column is the time by its name or clock times; "
+                   "name it, or give --sampling_rate_hz";
+  question->example = "COLUMN";
+  return false;
+}
+
+// Takes the samples of the columns, which begin at `first` in the table.
+bool TakeSamples(const Table& table, const TimeGrid& grid, size_t first,
+                 LogFile* log, std::string* error) {
+  if (grid.num_samples() < kFewestLogSamples) {
+    *error = log->path + ": " + std::to_string(grid.num_samples()) +
+             " samples, expected " + std::to_string(kFewestLogSamples) +
+             " or more";
+    return false;
+  }
+  for (size_t i = 0; i < log->columns.size(); ++i) {
+    log->columns[i].samples =
+        OnTimeGrid(table, static_cast<int>(i + first), grid);
+  }
+  log->step = grid.step;
+  log->reading = table.reading;
+  return true;
+}
+
+// Finds the columns of a file that is no text. An empty list means all.
+bool FindBinaryColumns(const std::string& path, const LogOptions& options,
+                       std::vector<std::string>* columns, std::string* error) {
+  const LoggerFormat format = FindLoggerFormat(path);
+  if (format != LoggerFormat::kNone) {
+    // The headers alone: channels that are ignored need not be readable.
+    LoggedFile file;
+    const auto none = [](const LoggerChannel&) { return false; };
+    if (!ReadLoggedFile(path, format, none, &file, error)) return false;
+    *columns = AllLoggerColumns(file);
+  } else {
+    Table table;
+    if (!ReadTable(path, {}, {}, &table, error)) return false;
+    *columns = table.columns;
+  }
+  const auto is_ignored = [&options](const std::string& name) {
+    return std::find(options.ignored.begin(), options.ignored.end(), name) !=
+           options.ignored.end();
+  };
+  columns->erase(std::remove_if(columns->begin(), columns->end(), is_ignored),
+                 columns->end());
+  return true;
+}
+
+// Reads a file that is no text: of a logger, universal or of arrays.
+bool ReadBinaryLog(const LogOptions& options, LogFile* log,
+                   DraftQuestion* question, std::string* error) {
+  std::vector<std::string> columns;
+  if (!FindBinaryColumns(log->path, options, &columns, error)) return false;
+  const bool needs_time = options.sampling_rate_hz == 0.0;
+  for (const std::string& name :
+       {options.time, std::string("t"), std::string("time")}) {
+    const auto found = std::find(columns.begin(), columns.end(), name);
+    if (found == columns.end()) continue;
+    log->time_column = name;
+    columns.erase(found);
+    break;
+  }
+  if (needs_time && log->time_column.empty()) {
+    return AskForTime(log->path, question);
+  }
+  if (!needs_time) log->time_column.clear();
+  if (columns.empty()) {
+    *error = log->path +
+             ": no column of numbers beside the time, expected the "
+             "records of sensors";
+    return false;
+  }
+  if (needs_time) columns.insert(columns.begin(), log->time_column);
+  Table table;
+  TimeGrid grid;
+  if (!ReadTable(log->path, columns, {}, &table, error)) return false;
+  log->is_time_unit_assumed =
+      needs_time && options.time_unit.empty() && table.time_unit.empty();
+  if (!FindStep(table, options, log, &grid, question, error)) return false;
+  const size_t first = needs_time ? 1 : 0;
+  for (size_t i = first; i < table.columns.size(); ++i) {
+    log->columns.push_back(
+        {table.columns[i], i < table.units.size() ? table.units[i] : "", {}});
+  }
+  return TakeSamples(table, grid, first, log, error);
 }
 
 }  // namespace
@@ -105,6 +195,11 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   result.path = path;
   result.sampling_rate_hz = options.sampling_rate_hz;
   result.time_unit = options.time_unit;
+  if (!IsTextFile(path)) {
+    if (!ReadBinaryLog(options, &result, question, error)) return false;
+    *log = std::move(result);
+    return true;
+  }
   TextFormat format;
   format.time_column = options.time;
   format.time_unit = options.time_unit;
@@ -119,12 +214,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
       result.time_column =
           NameInCase(outline, static_cast<size_t>(outline.time_column));
     } else {
-      question->flag = "time";
-      question->text = path +
-                       ": no column is the time by its name or clock times; "
-                       "name it, or give --sampling_rate_hz";
-      question->example = "COLUMN";
-      return false;
+      return AskForTime(path, question);
     }
     format.time_column = result.time_column;
     wanted.push_back(result.time_column);
@@ -146,23 +236,14 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   }
   Table table;
   TimeGrid grid;
-  if (!ReadTextTable(path, wanted, format, &table, error) ||
-      !FindStep(outline, table, options, &result, &grid, question, error)) {
+  if (!ReadTextTable(path, wanted, format, &table, error)) return false;
+  result.is_time_unit_assumed =
+      needs_time &&
+      IsTimeUnitAssumed(outline, options, result.time_column, table);
+  if (!FindStep(table, options, &result, &grid, question, error) ||
+      !TakeSamples(table, grid, needs_time ? 1 : 0, &result, error)) {
     return false;
   }
-  if (grid.num_samples() < kFewestLogSamples) {
-    *error = path + ": " + std::to_string(grid.num_samples()) +
-             " samples, expected " + std::to_string(kFewestLogSamples) +
-             " or more";
-    return false;
-  }
-  const size_t first = needs_time ? 1 : 0;
-  for (size_t i = 0; i < result.columns.size(); ++i) {
-    result.columns[i].samples =
-        OnTimeGrid(table, static_cast<int>(i + first), grid);
-  }
-  result.step = grid.step;
-  result.reading = table.reading;
   *log = std::move(result);
   return true;
 }

@@ -67,7 +67,8 @@ struct LogFile {
 // Shortest record that is worth a case, in samples.
 inline constexpr int kFewestLogSamples = 64;
 
-// Reads a text file with all its columns of numbers. If the time is not clear,
+// Reads a file with all its columns of numbers: text, or any other that
+// ReadTable() reads, whose time is "t" or "time". If the time is not clear,
 // returns false with a question.
 [[nodiscard]] bool ReadLogFile(const std::string& path,
                                const LogOptions& options, LogFile* log,

@@ -8,20 +8,28 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/case/sections/model_section.h"
 #include "pinode/record/files/array_table.h"
+#include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 
 namespace pinode {
 
 namespace {
 
-// Returns the unit that a text file states for a column, or "".
+// Returns the unit that a text file or one of a logger states for a column, or
+// "".
 std::string UnitOfFile(const TomlTable& record, const SignalSection& signal) {
   TextFormat format;
   TextOutline outline;
   std::string error;
   if (signal.file.empty() || signal.column.empty() ||
-      record.errors()->data().Has(signal.file) || !IsTextFile(signal.file) ||
-      !ReadTextFormat(record, &format) ||
+      record.errors()->data().Has(signal.file)) {
+    return "";
+  }
+  const LoggerFormat logger = FindLoggerFormat(signal.file);
+  if (logger != LoggerFormat::kNone) {
+    return UnitOfLoggerChannel(signal.file, logger, signal.column);
+  }
+  if (!IsTextFile(signal.file) || !ReadTextFormat(record, &format) ||
       !ReadTextOutline(signal.file, format, &outline, &error)) {
     return "";
   }
@@ -51,8 +59,9 @@ bool FileExists(const TomlTable& table, const std::string& path) {
   return table.Fail("file", "the file '" + path +
                                 "' does not exist, expected text in columns "
                                 "(CSV), a universal file (.uff, .unv), "
-                                "arrays (.mat, .npy, .npz, .h5), or a PEER "
-                                ".at2 file");
+                                "arrays (.mat, .npy, .npz, .h5), a file of a "
+                                "logger (.tdms, .lvm, .mseed, .sac, .v2, "
+                                "K-NET), or a PEER .at2 file");
 }
 
 bool IsVoltage(const TomlTable& table) {

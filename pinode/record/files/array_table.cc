@@ -9,6 +9,7 @@
 #include "pinode/base/arrays/array_files.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/universal_file.h"
 
@@ -169,7 +170,8 @@ bool ReadArrayTable(const std::string& path,
 }
 
 bool IsTextFile(const std::string& path) {
-  return !IsUniversalFile(path) && !IsArrayFile(path);
+  return !IsUniversalFile(path) && !IsArrayFile(path) &&
+         FindLoggerFormat(path) == LoggerFormat::kNone;
 }
 
 bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
@@ -178,6 +180,13 @@ bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
     return ReadUniversalTable(path, wanted, table, error);
   }
   if (IsArrayFile(path)) return ReadArrayTable(path, wanted, table, error);
+  const LoggerFormat logger = FindLoggerFormat(path);
+  // Who says how the text of an LVM file is laid out wants it read as text.
+  const bool is_laid_out = format.header_lines >= 0 || format.delimiter != 0;
+  if (logger != LoggerFormat::kNone &&
+      !(logger == LoggerFormat::kLvm && is_laid_out)) {
+    return ReadLoggerTable(path, logger, wanted, table, error);
+  }
   return ReadTextTable(path, wanted, format, table, error);
 }
 

@@ -24,8 +24,10 @@ namespace pinode {
                                   const std::vector<std::string>& wanted,
                                   Table* table, std::string* error);
 
-// Reads any table. The format follows from the extension: universal files,
-// arrays by name, else text (ReadTextTable), to which alone `format` applies.
+// Reads any table. Universal files and arrays by name are known by their
+// extension, files of loggers by their first bytes or extension
+// (FindLoggerFormat). All others are text (ReadTextTable), to which alone
+// `format` applies.
 [[nodiscard]] bool ReadTable(const std::string& path,
                              const std::vector<std::string>& wanted,
                              const TextFormat& format, Table* table,
