@@ -49,6 +49,27 @@ def matlab_files(folder):
             file.write(text + content[116:])
 
 
+def matlab_containers(folder):
+    """Structures and cells as measuring programs leave them: several events of
+    one structure, channels in cells, cells of structures."""
+    events = np.zeros((1, 2), dtype=[("t", object), ("acc", object)])
+    for i in range(2):
+        events[0, i] = (T.reshape(-1, 1), (i + 1) * Y)
+    cells = np.empty((2, 2), dtype=object)
+    cells[0, 0], cells[1, 0] = Y, "a text"
+    cells[0, 1], cells[1, 1] = np.zeros((0, 0)), {"y": Y.T, "unit": "g"}
+    nested = np.empty((1, 1), dtype=object)
+    nested[0, 0] = cells
+    path = os.path.join(folder, "containers.mat")
+    scipy.io.savemat(path, {"events": events, "cells": cells,
+                            "data": {"channels": nested}})
+    with open(path, "rb") as file:
+        content = file.read()
+    with open(path, "wb") as file:
+        file.write(b"MATLAB 5.0 MAT-file, as SciPy writes it".ljust(116) +
+                   content[116:])
+
+
 def hdf5_files(folder):
     with h5py.File(os.path.join(folder, "record.h5"), "w") as file:
         file["t"] = T
@@ -74,6 +95,7 @@ def main():
     os.makedirs(folder, exist_ok=True)
     numpy_files(folder)
     matlab_files(folder)
+    matlab_containers(folder)
     hdf5_files(folder)
 
 

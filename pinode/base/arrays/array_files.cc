@@ -1,5 +1,6 @@
 #include "pinode/base/arrays/array_files.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -41,7 +42,16 @@ void AddNumpyArray(const std::string& name, const NumpyArray& source,
   arrays->push_back(std::move(array));
 }
 
-// The variables of a MATLAB file, and the fields of its structures.
+// Returns the number of elements of a variable, or 0 without dimensions.
+size_t CountElements(const matvar_t& variable) {
+  size_t count = variable.rank > 0 && variable.dims != nullptr ? 1 : 0;
+  for (int d = 0; count > 0 && d < variable.rank; ++d) {
+    count *= variable.dims[d];
+  }
+  return count;
+}
+
+// The variables of a MATLAB file, the fields of its structures and its cells.
 class MatlabArrays {
  public:
   MatlabArrays(const std::string& path, const ArrayFilter& wanted,
@@ -53,10 +63,10 @@ class MatlabArrays {
     while (const MatlabVariable variable = file_.Next()) {
       if (variable->name == nullptr) continue;
       const std::string name = variable->name;
-      const bool is_structure = variable->class_type == MAT_C_STRUCT;
-      if (!is_structure && !IsFullOfNumbers(*variable)) continue;
+      const bool is_container = IsContainer(*variable);
+      if (!is_container && !IsFullOfNumbers(*variable)) continue;
       if (!Fits(*variable, 0)) return Fail(name, kBrokenMatlabVariable);
-      if ((is_structure || wanted_(name)) && !file_.ReadData(variable.get())) {
+      if ((is_container || wanted_(name)) && !file_.ReadData(variable.get())) {
         return Fail(name, " cannot be read: is the file whole?");
       }
       if (!Add(name, variable.get(), 0)) return false;
@@ -65,9 +75,14 @@ class MatlabArrays {
   }
 
  private:
-  // Deepest level of structures in structures. Deeper ones are not records.
-  static constexpr int kDeepestStructure = 4;
+  // Deepest level of structures and cells in each other. Deeper ones are not
+  // records.
+  static constexpr int kDeepestLevel = 8;
 
+  static bool IsContainer(const matvar_t& variable) {
+    return variable.class_type == MAT_C_STRUCT ||
+           variable.class_type == MAT_C_CELL;
+  }
   static bool IsFullOfNumbers(const matvar_t& variable) {
     return variable.class_type >= MAT_C_DOUBLE &&
            variable.class_type <= MAT_C_UINT64;
@@ -79,7 +94,7 @@ class MatlabArrays {
   }
 
   // Returns true if the file can hold the announced size of a variable and of
-  // its fields.
+  // its fields and cells.
   bool Fits(const matvar_t& variable, int depth) const {
     if (variable.dims == nullptr) return false;
     double count = 1.0;
@@ -90,10 +105,8 @@ class MatlabArrays {
                     static_cast<double>(file_.size())) {
       return false;
     }
-    if (variable.class_type != MAT_C_STRUCT || variable.data == nullptr) {
-      return true;
-    }
-    if (depth > kDeepestStructure) return false;
+    if (!IsContainer(variable) || variable.data == nullptr) return true;
+    if (depth > kDeepestLevel) return false;
     const auto* fields = static_cast<matvar_t* const*>(variable.data);
     for (size_t i = 0; i < variable.nbytes / sizeof(matvar_t*); ++i) {
       if (fields[i] != nullptr && !Fits(*fields[i], depth + 1)) return false;
@@ -103,22 +116,46 @@ class MatlabArrays {
 
   bool Add(const std::string& name, matvar_t* variable, int depth) {
     if (variable->class_type == MAT_C_STRUCT) {
-      // For arrays of structures the element is ambiguous.
-      size_t count = variable->rank > 0 ? 1 : 0;
-      for (int d = 0; d < variable->rank; ++d) count *= variable->dims[d];
-      if (count != 1 || depth >= kDeepestStructure) return true;
-      const unsigned num_fields = Mat_VarGetNumberOfFields(variable);
-      char* const* names = Mat_VarGetStructFieldnames(variable);
-      for (unsigned f = 0; f < num_fields; ++f) {
-        matvar_t* field = Mat_VarGetStructFieldByIndex(variable, f, 0);
-        if (field == nullptr || names == nullptr || names[f] == nullptr) {
-          continue;
-        }
-        if (!Add(name + "." + names[f], field, depth + 1)) return false;
-      }
-      return true;
+      return depth >= kDeepestLevel || AddFields(name, variable, depth);
+    }
+    if (variable->class_type == MAT_C_CELL) {
+      return depth >= kDeepestLevel || AddCells(name, variable, depth);
     }
     return !IsFullOfNumbers(*variable) || AddNumbers(name, *variable);
+  }
+
+  // Adds the fields of a structure, "data.acc", or of each of several
+  // structures, "data(2).acc".
+  bool AddFields(const std::string& name, matvar_t* variable, int depth) {
+    const size_t count = CountElements(*variable);
+    const unsigned num_fields = Mat_VarGetNumberOfFields(variable);
+    char* const* names = Mat_VarGetStructFieldnames(variable);
+    if (names == nullptr || variable->data == nullptr) return true;
+    for (size_t i = 0; i < count; ++i) {
+      const std::string element =
+          count == 1 ? name : name + "(" + std::to_string(i + 1) + ")";
+      for (unsigned f = 0; f < num_fields; ++f) {
+        matvar_t* field = Mat_VarGetStructFieldByIndex(variable, f, i);
+        if (field == nullptr || names[f] == nullptr) continue;
+        if (!Add(element + "." + names[f], field, depth + 1)) return false;
+      }
+    }
+    return true;
+  }
+
+  // Adds the cells of an array of cells, "data{2}".
+  bool AddCells(const std::string& name, matvar_t* variable, int depth) {
+    if (variable->data == nullptr) return true;
+    const size_t count = std::min(CountElements(*variable),
+                                  variable->nbytes / sizeof(matvar_t*));
+    auto* const* cells = static_cast<matvar_t* const*>(variable->data);
+    for (size_t i = 0; i < count; ++i) {
+      if (cells[i] != nullptr &&
+          !Add(name + "{" + std::to_string(i + 1) + "}", cells[i], depth + 1)) {
+        return false;
+      }
+    }
+    return true;
   }
 
   bool AddNumbers(const std::string& name, const matvar_t& variable) {

@@ -16,9 +16,10 @@ namespace pinode {
 // first of two equal ones. It therefore does not matter whether a program
 // writes channels as rows or as columns.
 struct NamedArray {
-  // Name of the variable; "structure.field" for a field; the path without its
-  // first '/' for an HDF5 data set; the file's name without .npy for an .npy
-  // file.
+  // Name of the variable; "structure.field" for a field, "structure(2).field"
+  // if there are several, "cells{2}" for a cell, as MATLAB writes them; the
+  // path without its first '/' for an HDF5 data set; the file's name without
+  // .npy for an .npy file.
   std::string name;
   Eigen::Index samples = 0;
   Eigen::Index columns = 0;
@@ -34,7 +35,7 @@ bool IsArrayFile(const std::string& path);
 // Reads all arrays of numbers of a file. Only the arrays whose names are
 // `wanted` get their values. Supported are:
 //
-// - MATLAB 5 and 7.3 with structures, one deep or more;
+// - MATLAB 5 and 7.3 with structures and cells, in each other or not;
 // - NumPy arrays of any real type and byte order;
 // - HDF5 data sets of any real type, compressed or not. Fields of compound data
 //   sets are named "table.field".

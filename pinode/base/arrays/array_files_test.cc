@@ -93,6 +93,21 @@ TEST(ArrayFilesTest, MatlabArraysAndStructures) {
   }
 }
 
+TEST(ArrayFilesTest, MatlabCellsAndArraysOfStructures) {
+  const std::vector<NamedArray> arrays = ReadOrFail(Sample("containers.mat"));
+  ExpectTimes(arrays, "events(1).t");
+  ExpectY(arrays, "events(1).acc");
+  ExpectY(arrays, "events(2).acc", 2.0, 4e-15);
+  // Counted down the columns, as MATLAB does.
+  ExpectY(arrays, "cells{1}");
+  EXPECT_THAT(Find(arrays, "cells{3}").fault, HasSubstr("empty"));
+  ExpectY(arrays, "cells{4}.y");
+  ExpectY(arrays, "data.channels{1}{1}");
+  ExpectY(arrays, "data.channels{1}{4}.y");
+  // Text is no array.
+  EXPECT_EQ(arrays.size(), 10U);
+}
+
 // The file comes from matio itself, version 7.3 as MATLAB has it since 2006.
 TEST(ArrayFilesTest, Matlab73) {
   const TemporaryFolder folder;
@@ -114,12 +129,23 @@ TEST(ArrayFilesTest, Matlab73) {
       data, "acc", 0,
       Mat_VarCreate("acc", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, numbers, 0));
   EXPECT_EQ(Mat_VarWrite(file, data, MAT_COMPRESSION_NONE), 0);
+  size_t two[2] = {1, 2};
+  matvar_t* cells =
+      Mat_VarCreate("cells", MAT_C_CELL, MAT_T_CELL, 2, two, nullptr, 0);
+  for (int i = 0; i < 2; ++i) {
+    Mat_VarSetCell(cells, i,
+                   Mat_VarCreate(nullptr, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims,
+                                 numbers, 0));
+  }
+  EXPECT_EQ(Mat_VarWrite(file, cells, MAT_COMPRESSION_NONE), 0);
   Mat_VarFree(y);
   Mat_VarFree(data);
+  Mat_VarFree(cells);
   Mat_Close(file);
   const std::vector<NamedArray> arrays = ReadOrFail(path);
   ExpectY(arrays, "y");
   ExpectY(arrays, "data.acc");
+  ExpectY(arrays, "cells{2}");
 }
 
 TEST(ArrayFilesTest, Hdf5DataSets) {
