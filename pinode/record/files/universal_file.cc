@@ -10,6 +10,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/files/loggers/logged_file.h"
 
 namespace pinode {
 namespace {
@@ -52,6 +53,29 @@ bool CylindricalAxes(const UniversalSystem& system,
   turn << cosine, sine, 0.0, -sine, cosine, 0.0, 0.0, 0.0, 1.0;
   *axes = turn * system.axes;
   return true;
+}
+
+// Reads histories of several rates or start times as channels of a logger's
+// file, whose rules apply.
+bool ReadOnOneClock(const std::string& path,
+                    const std::vector<const UniversalFunction*>& histories,
+                    const std::vector<std::string>& names,
+                    const std::vector<std::string>& columns, Table* table,
+                    std::string* error) {
+  LoggedFile file;
+  file.format = "universal file";
+  for (size_t i = 0; i < histories.size(); ++i) {
+    const UniversalFunction& f = *histories[i];
+    if (!f.is_even() || !(f.abscissa_step > 0.0)) continue;
+    LoggerChannel channel;
+    channel.name = channel.short_name = names[i + 1];
+    channel.step = f.abscissa_step;
+    channel.start = f.abscissa_start;
+    channel.size = f.size();
+    channel.values = f.values.real();
+    file.channels.push_back(std::move(channel));
+  }
+  return MakeLoggerTable(file, path, columns, table, error);
 }
 
 }  // namespace
@@ -150,6 +174,7 @@ bool ReadUniversalTable(const std::string& path,
   }
   const std::vector<std::string>& columns = wanted.empty() ? names : wanted;
   const UniversalFunction* first = nullptr;
+  bool has_several_clocks = false;
   Table result;
   result.path = path;
   for (const std::string& name : columns) {
@@ -168,12 +193,19 @@ bool ReadUniversalTable(const std::string& path,
     const UniversalFunction* f =
         histories[static_cast<size_t>(place - names.begin()) - 1];
     if (first == nullptr) first = f;
-    if (!HaveSameAbscissae(*f, *first)) {
+    if (HaveSameAbscissae(*f, *first)) continue;
+    if (f->is_even() && first->is_even() && f->abscissa_step > 0.0 &&
+        first->abscissa_step > 0.0) {
+      has_several_clocks = true;
+    } else {
       *error = path + ": '" + name +
                "' has other times than the histories before it, expected "
                "records of one rate, or a file each";
       return false;
     }
+  }
+  if (has_several_clocks) {
+    return ReadOnOneClock(path, histories, names, columns, table, error);
   }
   if (first == nullptr) first = histories[0];
   result.values.resize(first->size(),

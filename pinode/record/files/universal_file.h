@@ -177,8 +177,10 @@ std::string UniversalPlace(int node, int direction);
 
 // Reads the time histories of a file as a table. Column "t" is the time. Other
 // columns are called by their places if they have one, else by their first
-// text. A repeated name gets the number of its data set appended. All histories
-// need the same times. `wanted` as for ReadCsvTable.
+// text. A repeated name gets the number of its data set appended. Even
+// histories of several rates or start times are brought to one clock
+// (MakeLoggerTable); uneven ones need the same times. `wanted` as for
+// ReadCsvTable.
 [[nodiscard]] bool ReadUniversalTable(const std::string& path,
                                       const std::vector<std::string>& wanted,
                                       Table* table, std::string* error);

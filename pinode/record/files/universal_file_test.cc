@@ -331,6 +331,38 @@ TEST(UniversalFileTest, HistoriesOfOtherTimesAreNoTable) {
   }
 }
 
+TEST(UniversalFileTest, HistoriesOfSeveralRates) {
+  UniversalFile file;
+  file.functions = {Function(0, true), Function(1, true)};
+  UniversalFunction* fast = &file.functions[0];
+  UniversalFunction* slow = &file.functions[1];
+  fast->abscissa_step = 0.01;
+  fast->values.resize(400);
+  for (int i = 0; i < 400; ++i) fast->values[i] = std::sin(0.1 * i);
+  slow->abscissa_step = 0.02;
+  slow->abscissa_start = fast->abscissa_start + 0.03;
+  slow->values = Eigen::VectorXcd::LinSpaced(150, 0.0, 149.0);
+  const TemporaryFolder folder;
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ReadUniversalTable(
+      folder.Write("x.uff", FormatUniversalFile(file)), {}, &table, &error))
+      << error;
+  ASSERT_EQ(table.columns[0], "t");
+  ASSERT_EQ(table.num_rows(), 150);
+  for (int k = 0; k < 150; ++k) {
+    EXPECT_NEAR(table.values(k, 0), slow->abscissa_start + 0.02 * k, 1e-12);
+    EXPECT_EQ(table.values(k, 2), k);
+    if (k < 40 || k > 110) continue;  // the ends are reflected
+    EXPECT_NEAR(table.values(k, 1), std::sin(0.1 * (3 + 2 * k)), 1e-4);
+  }
+  EXPECT_THAT(table.reading, HasSubstr("resampled from 100 to 50 Hz"));
+  slow->abscissa_start += 0.004;
+  EXPECT_FALSE(ReadUniversalTable(
+      folder.Write("x.uff", FormatUniversalFile(file)), {}, &table, &error));
+  EXPECT_THAT(error, HasSubstr("lie between those of the others"));
+}
+
 // Even abscissae with a step of zero, as in some files, and no names.
 TEST(UniversalFileTest, HistoriesWithoutStepAndName) {
   UniversalFile file;
