@@ -58,6 +58,19 @@ struct FitRequest {
   FolderExtras extras;
 };
 
+// Data of a fit at work, which may outlive the call that began it.
+struct FitWork {
+  std::shared_ptr<Fit> fit = std::make_shared<Fit>();
+  IdentifiedModel begin_from;
+  FolderExtras extras;
+  ResultFolder folder;
+  bool ok = false;
+  std::string error;
+};
+
+// Opens the request's folder of results, if it has one. Throws Error.
+void OpenFolder(const FitRequest& request, FitWork* work);
+
 // Throws Error if the case has no free parameters or data for a fit.
 void CheckFit(const CaseHandle& handle);
 // Sets the request's threads in the options of the case.

@@ -18,6 +18,7 @@
 #include "pinode/case/results/damage_files.h"
 #include "pinode/case/results/discover_files.h"
 #include "pinode/case/results/matlab_results.h"
+#include "pinode/case/results/model_case.h"
 #include "pinode/case/results/result_files.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/results/updated_deck.h"
@@ -89,35 +90,33 @@ std::shared_ptr<Fit> IdentifyCase(const CaseHandle& handle, const Fit* begin,
                                   bool profiles, const FitRequest& request) {
   CheckFit(handle);
   const auto begun = Clock::now();
-  auto fit = std::make_shared<Fit>();
-  fit->c = handle.c;
-  SetThreads(request, &fit->c);
-  IdentifiedModel begin_from;
-  if (begin != nullptr) begin_from = BeginFromFit(*begin, fit->c.problem);
-  ResultFolder folder;
-  std::string error;
-  Require(
-      request.output.empty() || folder.Open(request.output, request.overwrite,
-                                            request.resume, &error),
-      error);
-  PythonWatch python(request.callback);
-  bool ok = false;
-  python.Run([&] {
-    ok = FitCase(folder, begin != nullptr ? &begin_from : nullptr, &python,
-                 &fit->c, &fit->summary, &fit->model, &error);
-    if (!ok) return;
-    if ((profiles || fit->c.profiles.has_value()) && !python.stopped()) {
-      ProfileCase(folder, &python, &fit->c, fit->model, &fit->summary);
+  const auto work = std::make_shared<FitWork>();
+  work->fit->c = handle.c;
+  SetThreads(request, &work->fit->c);
+  const bool has_begin = begin != nullptr;
+  if (has_begin) {
+    work->begin_from = BeginFromFit(*begin, work->fit->c.problem);
+  }
+  OpenFolder(request, work.get());
+  const auto python = std::make_shared<PythonWatch>(request.callback);
+  python->Run([work, python, begun, has_begin, profiles] {
+    Fit& fit = *work->fit;
+    work->ok =
+        FitCase(work->folder, has_begin ? &work->begin_from : nullptr,
+                python.get(), &fit.c, &fit.summary, &fit.model, &work->error);
+    if (!work->ok) return;
+    if ((profiles || fit.c.profiles.has_value()) && !python->stopped()) {
+      ProfileCase(work->folder, python.get(), &fit.c, fit.model, &fit.summary);
     }
-    fit->seconds = std::chrono::duration<double>(Clock::now() - begun).count();
-    fit->troubles = python.troubles();
-    if (folder.writes()) {
-      ok = WriteFit(*fit, request.extras, folder, &error) &&
-           folder.Commit(&error);
+    fit.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+    fit.troubles = python->troubles();
+    if (work->folder.writes() && !python->abandoned()) {
+      work->ok = WriteFit(fit, work->extras, work->folder, &work->error) &&
+                 work->folder.Commit(&work->error);
     }
   });
-  Require(ok, error);
-  return fit;
+  Require(work->ok, work->error);
+  return work->fit;
 }
 
 py::list ParametersOf(const Fit& fit) {
@@ -385,6 +384,14 @@ std::string Json(const Fit& fit) {
   return text;
 }
 
+// Writes model.toml, the model as it was found, with its arrays.
+void SaveModel(const Fit& fit, const std::string& folder) {
+  std::string error;
+  Require(WriteModelCase(fit.c, CompleteModel(fit.c.problem, fit.model), folder,
+                         folder, &error),
+          error);
+}
+
 py::tuple State(const Fit& fit) {
   const CaseData none;
   std::string packed;
@@ -424,6 +431,14 @@ void SetThreads(const FitRequest& request, Case* c) {
   if (request.threads > 0) c->options.num_threads = request.threads;
   std::string error;
   Require(c->options.IsValid(&error), error);
+}
+
+void OpenFolder(const FitRequest& request, FitWork* work) {
+  work->extras = request.extras;
+  if (request.output.empty()) return;
+  const bool ok = work->folder.Open(request.output, request.overwrite,
+                                    request.resume, &work->error);
+  Require(ok, work->error);
 }
 
 bool WriteFit(const Fit& fit, const FolderExtras& extras,
@@ -469,7 +484,7 @@ void BindFit(py::module_* module) {
       .def_property_readonly(
           "usable", [](const Fit& fit) { return fit.summary.usable(); })
       .def_property_readonly(
-          "grade",
+          "verdict",
           [](const Fit& fit) { return GradeName(fit.summary.verdict.grade()); })
       .def_property_readonly("findings", &FindingsOf)
       .def_property_readonly("explanations", &ExplanationsOf)
@@ -494,7 +509,7 @@ void BindFit(py::module_* module) {
       .def_property_readonly(
           "remarks", [](const Fit& fit) { return RemarksOf(ReportOf(fit)); })
       .def_property_readonly(
-          "verdict",
+          "sentence",
           [](const Fit& fit) { return VerdictSentence(ReportOf(fit)); })
       .def("brief", [](const Fit& fit) { return fit.summary.BriefReport(); })
       .def("report",
@@ -510,6 +525,7 @@ void BindFit(py::module_* module) {
       .def("history", &History)
       .def("json", &Json)
       .def("structure", &StructureHtml)
+      .def("save_model", &SaveModel, py::arg("folder"))
       .def(
           "save",
           [](const Fit& fit, const std::string& path, bool overwrite, bool mat,

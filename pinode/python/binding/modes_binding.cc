@@ -62,6 +62,7 @@ py::dict ModeAsDict(const IdentifiedMode& mode) {
   entry["orders_seen"] = mode.orders_seen;
   entry["orders_possible"] = mode.orders_possible;
   entry["degrees_of_freedom"] = mode.degrees_of_freedom;
+  entry["is_harmonic"] = mode.is_harmonic;
   return entry;
 }
 
@@ -195,6 +196,7 @@ std::shared_ptr<ModesHandle> FromDataFile(
   });
   c->options = asked.options;
   c->merge = asked.merge;
+  c->keep_harmonics = asked.keep_harmonics;
   if (!title.empty()) c->title = title;
   for (ResponseRecord& record : c->records) record.free_decay = free_decay;
   return handle;

@@ -91,15 +91,16 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   change.false_alarm_rate = false_alarm_rate;
   std::string error;
   Require(change.IsValid(&error), error);
-  auto fit = std::make_shared<Fit>();
+  const auto work = std::make_shared<FitWork>();
+  Fit* fit = work->fit.get();
   fit->c = given != nullptr ? given->c : handle.c;
   SetThreads(request, &fit->c);
   if (FreeGroups(*fit->c.problem.dynamics).empty()) {
     throw Error("no group is free, expected those whose change is asked for");
   }
   const std::vector<Baseline> healthy = ReadBaselines(baselines, fit->c);
-  IdentifiedModel begin_from;
-  if (given != nullptr) {
+  const bool is_fitted = given != nullptr;
+  if (is_fitted) {
     fit->summary = given->summary;
     fit->model = given->model;
     Require(!healthy.empty(),
@@ -109,33 +110,31 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
     bool ok = false;
     {
       py::gil_scoped_release release;
-      ok = PrepareForBaselines(healthy, &fit->c, &begin_from, &error);
+      ok = PrepareForBaselines(healthy, &fit->c, &work->begin_from, &error);
     }
     Require(ok, error);
   }
-  ResultFolder folder;
-  Require(
-      request.output.empty() || folder.Open(request.output, request.overwrite,
-                                            request.resume, &error),
-      error);
-  PythonWatch python(request.callback);
-  JudgedChange judgement;
+  OpenFolder(request, work.get());
+  const auto python = std::make_shared<PythonWatch>(request.callback);
   const auto begun = std::chrono::steady_clock::now();
-  bool ok = true;
-  python.Run([&] {
-    ok = given != nullptr || FitCase(folder, &begin_from, &python, &fit->c,
-                                     &fit->summary, &fit->model, &error);
-    if (!ok) return;
-    judgement = JudgeChange(fit->summary, fit->model, healthy, change, &python,
-                            &fit->c);
-    fit->troubles = python.troubles();
-    fit->seconds = SecondsSince(begun);
-    KeepJudgement(std::move(judgement), fit.get());
-    ok = !folder.writes() || (WriteFit(*fit, request.extras, folder, &error) &&
-                              folder.Commit(&error));
+  python->Run([work, python, begun, is_fitted, healthy, change] {
+    Fit& fitted = *work->fit;
+    work->ok = is_fitted ||
+               FitCase(work->folder, &work->begin_from, python.get(), &fitted.c,
+                       &fitted.summary, &fitted.model, &work->error);
+    if (!work->ok) return;
+    JudgedChange judgement = JudgeChange(fitted.summary, fitted.model, healthy,
+                                         change, python.get(), &fitted.c);
+    fitted.troubles = python->troubles();
+    fitted.seconds = SecondsSince(begun);
+    KeepJudgement(std::move(judgement), &fitted);
+    if (work->folder.writes() && !python->abandoned()) {
+      work->ok = WriteFit(fitted, work->extras, work->folder, &work->error) &&
+                 work->folder.Commit(&work->error);
+    }
   });
-  Require(ok, error);
-  return fit;
+  Require(work->ok, work->error);
+  return work->fit;
 }
 
 // Returns the model in a result folder of the case, as a fit without other
@@ -243,44 +242,40 @@ std::shared_ptr<const FoundTerms> FindTerms(Case given, const Fit* fit) {
 std::shared_ptr<Fit> DiscoverCase(const CaseHandle& handle, const Fit* fit,
                                   const FitRequest& request) {
   Case c = CaseToDiscover(handle, fit, request);
-  ResultFolder folder;
-  std::string error;
-  Require(
-      request.output.empty() || folder.Open(request.output, request.overwrite,
-                                            request.resume, &error),
-      error);
-  auto result = std::make_shared<Fit>();
-  auto discovery = std::make_shared<Discovery>();
-  PythonWatch python(request.callback);
+  const auto work = std::make_shared<FitWork>();
+  OpenFolder(request, work.get());
+  const auto python = std::make_shared<PythonWatch>(request.callback);
   const auto begun = std::chrono::steady_clock::now();
   const std::shared_ptr<const FoundTerms> found = FindTerms(std::move(c), fit);
-  bool ok = false;
-  python.Run([&] {
-    RefitCheckpoint checkpoint(folder, found->c.problem);
+  python->Run([work, python, begun, found] {
+    Fit* result = work->fit.get();
+    const auto discovery = std::make_shared<Discovery>();
+    RefitCheckpoint checkpoint(work->folder, found->c.problem);
     result->model = found->model;
-    ok = PutInPlace(found->c, found->equations, &python, &checkpoint,
-                    result.get(), discovery.get(), &error);
-    if (!ok) return;
+    work->ok = PutInPlace(found->c, found->equations, python.get(), &checkpoint,
+                          result, discovery.get(), &work->error);
+    if (!work->ok) return;
     if (!discovery->refitted) {
       result->summary.verdict = discovery->verdict();
       result->summary.message = discovery->Message();
     }
-    result->troubles = python.troubles();
+    result->troubles = python->troubles();
     result->seconds = SecondsSince(begun);
     if (!checkpoint.trouble().empty()) {
       result->troubles.push_back("no checkpoint: " + checkpoint.trouble());
     }
     result->discovery = discovery;
-    if (!folder.writes()) return;
+    if (!work->folder.writes() || python->abandoned()) return;
     const bool interrupted =
         discovery->refitted &&
         discovery->summary.termination == Termination::kInterrupted;
-    ok = WriteFit(*result, request.extras, folder, &error) &&
-         (!interrupted || checkpoint.Write(discovery->equations, &error)) &&
-         folder.Commit(&error);
+    work->ok = WriteFit(*result, work->extras, work->folder, &work->error) &&
+               (!interrupted ||
+                checkpoint.Write(discovery->equations, &work->error)) &&
+               work->folder.Commit(&work->error);
   });
-  Require(ok, error);
-  return result;
+  Require(work->ok, work->error);
+  return work->fit;
 }
 
 // Returns for each equation and each feature of its terms, along the training

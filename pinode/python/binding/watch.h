@@ -8,6 +8,7 @@
 #include <atomic>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,14 @@
 
 namespace pinode::python {
 
-// Runs the library without the interpreter's lock. Takes the lock to ask for
-// signals and to call back, and ends fits at Ctrl-C. Any other exception of a
-// signal's handler or of the callback ends the fit too, and is thrown on when
-// the fit is over.
+// Work in a thread of its own, for which a thread of Python waits.
+class Work;
+
+// Runs a fit without the interpreter's lock, and ends it at Ctrl-C: the best
+// result so far is kept. A second Ctrl-C, in the same fit or within ten seconds
+// of the first, is thrown as KeyboardInterrupt; thus a loop of fits ends too.
+// Any other exception of a signal's handler or of the callback ends the fit and
+// is thrown when the fit is over.
 class PythonWatch : public CaseWatch {
  public:
   // `callback` is called with a dictionary after each iteration, and ends the
@@ -31,27 +36,32 @@ class PythonWatch : public CaseWatch {
   bool StopsProfiles() override;
   void OnTrouble(const std::string& sentence) override;
 
-  // Calls `work`, which may use this watch, without the lock.
-  template <typename Work>
-  void Run(const Work& work) {
-    {
-      pybind11::gil_scoped_release release;
-      work();
-    }
-    Rethrow();
-  }
+  // Calls `work`, which may use this watch, in another thread, and waits for
+  // it. The callback is called in this thread. After a second Ctrl-C `work`
+  // finishes in the background; therefore it has to own all its data, this
+  // watch included, and must not touch Python.
+  void Run(std::function<void()> work);
 
   // True if the user stopped the fit.
   bool stopped() const { return stopped_; }
+  // True if a second Ctrl-C ended the call. The result is discarded then, and
+  // must not be written.
+  bool abandoned() const { return abandoned_; }
   // Sentences on problems besides the fit.
   const std::vector<std::string>& troubles() const { return troubles_; }
 
  private:
-  void Rethrow();
   bool GoOn(const std::string& what, const IdentificationProgress* progress);
+  // Asks for signals, and calls back with `progress` unless that is null.
+  void CallPython(const std::string& what,
+                  const IdentificationProgress* progress);
+  void KeepFailure(const pybind11::error_already_set& failure);
 
   pybind11::object callback_;
+  std::weak_ptr<Work> work_;
   std::atomic<bool> stopped_{false};
+  std::atomic<bool> abandoned_{false};
+  bool interrupted_ = false;
   std::exception_ptr failure_;
   std::vector<std::string> troubles_;
 };

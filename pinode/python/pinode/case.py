@@ -329,7 +329,8 @@ class Case:
             results.mat, for MATLAB and Octave.
 
         Ctrl-C stops after the iteration and returns the best so far, whose
-        `termination` is "interrupted".
+        `termination` is "interrupted". A second Ctrl-C, in this fit or within ten
+        seconds, raises KeyboardInterrupt, so that it ends a loop of fits.
         """
         from .result import Fit
 

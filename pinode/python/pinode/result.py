@@ -28,7 +28,7 @@ class Parameter(NamedTuple):
     """A named parameter: in the model's units, with its 95 % interval.
 
     sigma is infinite, and the interval without ends, where the data do not say;
-    both are NaN or infinite of fixed ones. Where the model lacks something (grade
+    both are NaN or infinite of fixed ones. Where the model lacks something (verdict
     "with_care"), the interval reaches as far as other explanations do, and
     half_width95 is that of the interval that presumes that it lacks nothing.
     """
@@ -77,9 +77,14 @@ class _Outcome:
         return self._handle.usable
 
     @property
-    def grade(self) -> str:
-        """Grade of the verdict: "good", "with_care" or "not_usable"."""
-        return self._handle.grade
+    def verdict(self) -> str:
+        """Verdict on the fit: "good", "with_care" or "not_usable"."""
+        return self._handle.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words, with its reason."""
+        return self._handle.sentence
 
     @property
     def findings(self) -> list[dict[str, Any]]:
@@ -107,11 +112,6 @@ class _Outcome:
     def termination(self) -> str:
         """"converged", "no_convergence", "interrupted" or "failure"."""
         return self._handle.termination
-
-    @property
-    def verdict(self) -> str:
-        """Whether the result may be used, and why, in a sentence or two."""
-        return self._handle.verdict
 
     @property
     def remarks(self) -> list[str]:
@@ -297,7 +297,7 @@ class _Outcome:
 
     def _repr_html_(self) -> str:
         parameters = [p._asdict() for p in self.parameters.values()]
-        return _html.section(self.verdict, tables(parameters, self.records.values()))
+        return _html.section(self._handle.sentence, tables(parameters, self.records.values()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), *self._handle.state())
@@ -374,13 +374,24 @@ class Damage(_Outcome):
         self._found: dict[str, Any] | None = json.loads(_pinode.damage_json(handle))
 
     @property
-    def damage_verdict(self) -> str:
-        """"no_damage", "damage", "nonlinear", "other_change" or "cannot_tell"."""
+    def verdict(self) -> str:
+        """Verdict on the change: "no_damage", "damage", "nonlinear", "other_change"
+        or "cannot_tell"."""
         return "cannot_tell" if self._found is None else self._found["verdict"]
 
     @property
+    def fit_verdict(self) -> str:
+        """Verdict on the fit: "good", "with_care" or "not_usable"."""
+        return self._handle.verdict
+
+    @property
+    def fit_sentence(self) -> str:
+        """The verdict on the fit in words."""
+        return self._handle.sentence
+
+    @property
     def sentence(self) -> str:
-        """The verdict in words."""
+        """The verdict on the change in words."""
         if self._found is None:
             # The first trouble says just this.
             why = "; ".join(self._handle.troubles) or (

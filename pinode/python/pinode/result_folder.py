@@ -76,9 +76,16 @@ class ResultFolder:
         return self._get("usable", bool)
 
     @property
-    def grade(self) -> str:
-        """Grade of the verdict, "good" or "not_usable"; from `usable` in folders of
-        versions before verdicts."""
+    def verdict(self) -> str:
+        """Of a damage analysis the verdict on the change, as Damage has it; of other
+        results the verdict on the fit."""
+        damage = self.damage
+        return self.fit_verdict if damage is None else damage["verdict"]
+
+    @property
+    def fit_verdict(self) -> str:
+        """Verdict on the fit: "good", "with_care" or "not_usable"; from `usable` in
+        folders of versions before verdicts."""
         verdict = self.json.get("verdict")
         if verdict is None:
             return "good" if self.usable else "not_usable"

@@ -1,6 +1,8 @@
-"""Ctrl-C in the midst of what is no fit: seen at once, and nothing is broken."""
+"""Ctrl-C: seen at once where no fit runs; a fit ends with its best values, and the
+second press raises."""
 
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -120,3 +122,60 @@ def test_errors_are_as_ever(healthy):
         pinode.identify_modes(RANDOM.standard_normal((10, 1)), step=0.1)
     with pytest.raises(pinode.Error, match=r"^a record has no \[\[record.force\]\]"):
         healthy.plan_sensors(1, force_at="u9")
+
+
+ENDLESS = """
+import os, signal, sys, threading, time, pinode
+case = pinode.read_case(sys.argv[1]).replace(options={"tolerance": 1e-300})
+def press(state):
+    '''From outside, in the midst of each fit.'''
+    if state["iteration"] == 1:
+        threading.Timer(0.01, os.kill, (os.getpid(), signal.SIGINT)).start()
+"""
+
+
+def of_script(script):
+    path = pathlib.Path(os.environ["PINODE_SOURCE_DIR"]) / "data/three_storey/three_storey.toml"
+    done = subprocess.run([sys.executable, "-c", ENDLESS + textwrap.dedent(script), path],
+                          capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout.split()
+
+
+def test_the_second_press_ends_a_loop_of_fits():
+    assert of_script("""
+        fits = []
+        try:
+            while True:
+                fits.append(case.identify(callback=press))
+        except KeyboardInterrupt:
+            print(fits[0].termination)
+        """) == ["interrupted"]
+
+
+def test_the_second_press_in_a_fit_does_not_wait_for_it():
+    """The callback, which presses twice, is the last that the fit hears."""
+    assert of_script("""
+        pressed = []
+        def call(state):
+            pressed.append(state["iteration"])
+            signal.raise_signal(signal.SIGINT)
+        for number in range(2):
+            try:
+                print(case.identify(callback=call).termination)
+            except KeyboardInterrupt:
+                print("raised")
+        print(len(pressed))
+        """) == ["interrupted", "raised", "2"]
+
+
+def test_what_was_given_up_writes_no_folder(tmp_path):
+    folder = tmp_path / "out"
+    assert of_script(f"""
+        case.identify(callback=press)
+        try:
+            case.identify(callback=press, output={str(folder)!r})
+        except KeyboardInterrupt:
+            print("raised")
+        """) == ["raised"]
+    assert not folder.exists()

@@ -15,13 +15,13 @@ import pinode
 
 def test_damage_from_fits_folders_and_pickles(baseline, damaged, tmp_path):
     damage = damaged.damage([pickle.loads(pickle.dumps(baseline))])
-    assert damage.damage_verdict == "damage" and "k1" in damage.sentence
+    assert damage.verdict == "damage" and "k1" in damage.sentence
     baseline.save(tmp_path / "healthy")
     again = damaged.damage(tmp_path / "healthy")
     assert again.groups["k1"]["change"] == pytest.approx(damage.groups["k1"]["change"],
                                                          abs=1e-6)
     fit = damaged.identify()
-    assert fit.damage(pinode.read_result(tmp_path / "healthy")).damage_verdict == "damage"
+    assert fit.damage(pinode.read_result(tmp_path / "healthy")).verdict == "damage"
     other = pickle.loads(pickle.dumps(damage))
     assert other.sentence == damage.sentence and other.groups == damage.groups
     assert "changes" in damage.figures()
@@ -32,12 +32,12 @@ def test_damage_with_a_folder_that_goes_on(damaged, baseline, tmp_path):
     stopped = damaged.damage(
         [baseline], output=tmp_path / "out", callback=lambda state: state["iteration"] < 1)
     assert stopped.termination == "interrupted"
-    assert stopped.damage_verdict == "cannot_tell"
+    assert stopped.verdict == "cannot_tell"
     assert not (tmp_path / "out/damage.json").exists()
     with pytest.raises(pinode.Error, match="exists"):
         damaged.damage([baseline], output=tmp_path / "out")
     damage = damaged.damage([baseline], output=tmp_path / "out", resume=True)
-    assert damage.damage_verdict == "damage"
+    assert damage.verdict == "damage"
     written = json.loads((tmp_path / "out/damage.json").read_text())
     assert written == damage.damage_json
     assert (tmp_path / "out/report.html").exists()
@@ -45,7 +45,7 @@ def test_damage_with_a_folder_that_goes_on(damaged, baseline, tmp_path):
 
 def test_no_damage_where_there_is_none(healthy, baseline):
     now = healthy.replace(records=[conftest.record("now", seed=5)])
-    assert now.damage([baseline]).damage_verdict == "no_damage"
+    assert now.damage([baseline]).verdict == "no_damage"
 
 
 def test_baselines_that_are_none_are_refused(damaged, healthy):

@@ -30,7 +30,7 @@ def test_says_what_is_damaged(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     result = runpy.run_path(str(SCRIPT))
     damage = result["damage"]
-    assert damage.damage_verdict == "damage"
+    assert damage.verdict == "damage"
     assert "k1" in capsys.readouterr().out
     group = damage.groups["k1"]
     assert group["damaged"]
