@@ -16,7 +16,8 @@
 A case has the parts that a case file has, under the names that it has for
 them, with arrays of NumPy (or SciPy) where that names files; numbers are in
 the units of the model unless a part says otherwise. What is wrong is raised as
-`pinode.Error`, a ValueError of one sentence.
+`pinode.Error`, a ValueError of one sentence; an unknown keyword as
+`pinode.KeywordError`, which is a TypeError too.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import _checked, _pinode
+from ._arguments import KeywordError
 from ._pinode import Error, __version__
 from .case import Case, read_case
 from .forecast import Check, SensorPlan, Simulation
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from . import calculix, elements, figures, frames, opensees
 
 Error.__module__ = "pinode"
+KeywordError.__module__ = "pinode"
 _checked.install(_pinode)
 
 
@@ -79,6 +82,7 @@ __all__ = [
     "Fit",
     "Group",
     "IdentifiedModes",
+    "KeywordError",
     "Library",
     "Mode",
     "Model",

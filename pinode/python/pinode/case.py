@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._case_tables import check_parts, purpose_of, tables_of
+from ._arguments import ANY, MAPPING, takes, unknown_keyword
+from ._case_tables import KEYS, check_parts, purpose_of, tables_of
 from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher
 from ._pinode import Error
+from ._words import speaks_python
 from .progress import watched
 
 if TYPE_CHECKING:
@@ -20,6 +22,11 @@ if TYPE_CHECKING:
     from .result_folder import ResultFolder
 
 Progress = Callable[[Mapping[str, Any]], Any]
+
+# Further tables of a case file.
+_TABLES = ("modal", "damage", "profiles", "discover", "simulate", "plan", "geometry")
+_KEYWORDS = ("title", "units", "options", *KEYS, *_TABLES)
+
 
 class Case:
     """What is to be identified from what.
@@ -40,6 +47,9 @@ class Case:
         channels.
     """
 
+    @speaks_python
+    @takes(model=MAPPING, units=MAPPING, options=MAPPING, reference_curves=ANY,
+           **dict.fromkeys(_TABLES, MAPPING))
     def __init__(
         self,
         model: Mapping[str, Any],
@@ -122,6 +132,9 @@ class Case:
             if "record" not in other and purpose != "planning":
                 purpose = self._handle.purpose.replace("fit", "check")
             return Case._of(_pinode.CaseHandle.from_tree(tree, self.path, purpose))
+        for name in parts:
+            if name not in _KEYWORDS:
+                raise unknown_keyword("Case.replace", name, _KEYWORDS)
         return Case(**{**self._parts, **parts})
 
     # What it is.
@@ -219,6 +232,7 @@ class Case:
 
     # What can be done with it.
 
+    @speaks_python
     def check(
         self,
         *,
@@ -240,6 +254,7 @@ class Case:
         output = as_folder(output, mat)
         return Check(self._handle.check(output, overwrite, mat))
 
+    @speaks_python
     def simulate(
         self,
         *,
@@ -263,6 +278,7 @@ class Case:
         }
         return Simulation(_pinode.simulate(self._handle, **wanted), self, wanted)
 
+    @speaks_python
     def plan_sensors(
         self,
         num_sensors: int,
@@ -302,6 +318,7 @@ class Case:
             },
         )
 
+    @speaks_python
     def identify(
         self,
         *,
@@ -349,6 +366,7 @@ class Case:
                 )
             )
 
+    @speaks_python
     def damage(
         self,
         baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",
@@ -391,6 +409,7 @@ class Case:
                 )
             )
 
+    @speaks_python
     def discover(
         self,
         *,

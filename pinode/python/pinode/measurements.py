@@ -10,11 +10,43 @@ from typing import Any
 
 import numpy as np
 
+from ._arguments import (
+    ANY,
+    FLAG,
+    LIST,
+    MAPPING,
+    NAMES,
+    NOT_NEGATIVE,
+    NUMBER,
+    POSITIVE,
+    TEXT,
+    VALUES,
+    WHOLE,
+    either,
+    hint,
+    one_of,
+    takes,
+    words_of,
+)
 from ._arrays import as_array, plain
 from ._case_tables import is_for_simulation
 from ._columns import Columns
 from ._part import ArrayLike, Part, as_list, as_sequence, as_text
 from ._pinode import Error
+
+
+QUANTITIES = ("displacement", "velocity", "relative_acceleration", "absolute_acceleration",
+              "absolute_displacement", "force", "strain")
+INTERPOLATIONS = ("held", "linear", "cubic", "band_limited")
+ROLES = ("train", "holdout")
+_CORRECTION = either(NUMBER, MAPPING)
+_CHANNEL = {
+    "dof": TEXT, "combination": MAPPING, "unit": TEXT, "sigma": NOT_NEGATIVE,
+    "sigma_percent": NOT_NEGATIVE, "fit": FLAG, "column": TEXT, "file": ANY,
+    "gauge_length": POSITIVE, "distance": NUMBER, "sign": NUMBER, "scale": NUMBER,
+    "remove_offset": FLAG, "gain": _CORRECTION, "offset": _CORRECTION, "delay": _CORRECTION,
+    "time": ANY,
+}
 
 
 class Channel(Part):
@@ -31,6 +63,7 @@ class Channel(Part):
     sigma: standard deviation of its noise, in `unit`; estimated unless given.
     """
 
+    @takes(name=TEXT, values=either(VALUES, TEXT), quantity=TEXT, **_CHANNEL)
     def __init__(
         self,
         name: str,
@@ -45,12 +78,10 @@ class Channel(Part):
         fit: bool | None = None,
         **keys: Any,
     ) -> None:
-        if isinstance(quantity, str) and quantity == "acceleration":
-            raise Error(
-                f"channel '{name}': quantity 'acceleration' does not say of what, expected "
-                "'absolute_acceleration', as accelerometers show it, or 'relative_acceleration', "
-                "to the ground"
-            )
+        _check_quantity(name, quantity)
+        if _dimensions(values) > 1:
+            raise Error(f"Channel({name!r}): values is {words_of(values)}, expected one number a "
+                        "sample; pinode.channels makes a channel of each column")
         super().__init__(
             name=name,
             values=values,
@@ -65,6 +96,8 @@ class Channel(Part):
         )
 
 
+@takes(prefix=TEXT, values=ANY, quantity=TEXT, dofs=NAMES,
+       **{key: kind for key, kind in _CHANNEL.items() if key != "dof"})
 def channels(
     prefix: str,
     values: ArrayLike,
@@ -89,6 +122,11 @@ def channels(
             f"channels '{prefix}': values of {array.ndim} dimensions, expected "
             "two: samples x channels"
         )
+    if array.shape[0] < array.shape[1]:
+        raise Error(
+            f"channels({prefix!r}): values is {array.shape[0]} x {array.shape[1]}, expected "
+            "samples x channels; if each row is a channel, pass its transpose, values.T"
+        )
     if dofs is None:
         dofs = [f"u{i + 1}" for i in range(array.shape[1])]
     dofs = as_sequence("dofs", dofs)
@@ -103,12 +141,32 @@ def channels(
     ]
 
 
+def _check_quantity(name: str, quantity: str) -> None:
+    if quantity == "acceleration":
+        raise Error(
+            f"Channel({name!r}): quantity 'acceleration' does not say of what, expected "
+            "'absolute_acceleration', as accelerometers show it, or 'relative_acceleration', "
+            "to the ground"
+        )
+    if quantity not in QUANTITIES:
+        raise Error(f"Channel({name!r}): quantity is {words_of(quantity)}; "
+                    f"{hint(str(quantity), QUANTITIES)}")
+
+
+def _dimensions(values: Any) -> int:
+    """Of an array; rows of different lengths, which are none, are refused later."""
+    try:
+        return np.ndim(values)
+    except ValueError:
+        return 0
+
+
 class Record(Part):
     """What was measured at one go, on a uniform grid of samples.
 
-    step: seconds between samples; or `sampling_rate_hz`, or `time`: an array of
-        times in seconds, or the column of the file that has them; dates count from
-        the first.
+    step: seconds between samples; or `fs` (or `sampling_rate_hz`), samples a second;
+        or `time`: an array of times in seconds, or the column of the file that has
+        them; dates count from the first.
     channels: the responses; none to plan sensors.
     ground: {direction: accelerations}; force, motion: {dof: values};
         covariate: {name: values}. In place of the values may stand the name of
@@ -125,12 +183,20 @@ class Record(Part):
         index is a column too where it has a name.
     """
 
+    @takes(name=TEXT, channels=LIST, step=ANY, sampling_rate_hz=POSITIVE, fs=POSITIVE, ground=MAPPING,
+           force=MAPPING, motion=MAPPING, covariate=MAPPING, interpolation=one_of(*INTERPOLATIONS),
+           start=either(TEXT, MAPPING), role=one_of(*ROLES), time_unit=TEXT, time_format=TEXT,
+           header_lines=WHOLE, delimiter=TEXT, decimal=TEXT, encoding=TEXT, duration=POSITIVE,
+           window=VALUES, resample_hz=POSITIVE, periodic=FLAG, start_samples=WHOLE,
+           substeps=WHOLE, integrator=TEXT, filter=MAPPING, excitation=TEXT,
+           ambient=either(MAPPING, LIST))
     def __init__(
         self,
         name: str,
         *,
         channels: Sequence[Channel | Mapping[str, Any]] = (),
         step: float | None = None,
+        fs: float | None = None,
         sampling_rate_hz: float | None = None,
         time: ArrayLike | str | None = None,
         ground: Mapping[str, Any] | None = None,
@@ -144,13 +210,11 @@ class Record(Part):
         **keys: Any,
     ) -> None:
         columns = Columns(name, file)
-        if step is not None:
-            if sampling_rate_hz is not None:
-                raise Error(
-                    f"record '{name}': 'step' beside 'sampling_rate_hz', "
-                    "expected one of the two"
-                )
-            sampling_rate_hz = rate_of(name, step)
+        sampling_rate_hz = rate_from(f"record '{name}'", step, fs, sampling_rate_hz)
+        if sampling_rate_hz is None and time is None and (
+                file is None or columns.file() is not file):
+            raise Error(f"record '{name}': 'step' is missing, expected step=seconds, "
+                        "fs=samples a second or time=times")
         time = columns.time(time)
         if columns.has_dates and keys.get("time_unit", "s") != "s":
             raise Error(
@@ -176,6 +240,7 @@ class Record(Part):
                 for value in _tables(values)
             ]
         tables = [_channel_table(name, columns, channel) for channel in as_sequence("channels", channels)]
+        _check_lengths(name, columns.file())
         super().__init__(
             name=name,
             file=columns.file(),
@@ -203,6 +268,9 @@ class Mode(Part):
         where nobody measured.
     """
 
+    @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=ANY, shape_sigma=POSITIVE, name=TEXT,
+           frequency_weight=NUMBER, shape_row=NUMBER, shape_weight=NUMBER, shape_covariance=ANY,
+           frequency_shape_covariance=ANY, residual_weight=NUMBER)
     def __init__(
         self,
         frequency_hz: float,
@@ -241,6 +309,30 @@ def _tables(values: Any) -> list[Any]:
     return list(values) if several and all(isinstance(v, Mapping) for v in values) else [values]
 
 
+def _check_lengths(record: str, table: Any) -> None:
+    """Of the arrays of a record, which have one number a sample each."""
+    if not isinstance(table, Mapping):
+        return
+    first: tuple[str, int] | None = None
+    for column, values in table.items():
+        if not isinstance(values, np.ndarray) or values.ndim != 1:
+            continue
+        if first is None:
+            first = (column, values.size)
+        elif values.size != first[1]:
+            raise Error(
+                f"record '{record}': {_argument(column)} has {values.size} values and "
+                f"{_argument(first[0])} {first[1]}, expected one for each sample"
+            )
+
+
+def _argument(column: str) -> str:
+    """What the array of a column was passed as."""
+    key, _, place = column.partition("_")
+    is_input = key in ("ground", "force", "motion", "covariate") and place
+    return f"{key}[{place!r}]" if is_input else f"'{column}'"
+
+
 def _channel_table(
     record: str, columns: Columns, channel: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -252,15 +344,25 @@ def _channel_table(
     return columns.signal(channel, str(channel.get("name", "")), {})
 
 
-def rate_of(record: str, step: Any) -> float:
-    """Samples a second of a `step` in seconds; the record's name is for messages."""
-    try:
-        rate = 1.0 / float(plain(step))
-    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
-        rate = float("nan")
-    if not 0.0 < rate < float("inf"):
-        raise Error(
-            f"record '{record}': 'step' is {step!r}, expected a positive number "
-            "of seconds"
-        )
-    return rate
+def rate_from(
+    where: str, step: Any, fs: Any = None, sampling_rate_hz: Any = None
+) -> float | None:
+    """Samples a second, by the one of `step` (seconds), `fs` and `sampling_rate_hz`
+    that is given; None: none is. `where`: for messages."""
+    given = {"step": step, "fs": fs, "sampling_rate_hz": sampling_rate_hz}
+    given = {key: value for key, value in given.items() if value is not None}
+    if len(given) > 1:
+        names = " beside ".join(f"'{key}'" for key in given)
+        raise Error(f"{where}: {names}, expected one of them")
+    for key, value in given.items():
+        try:
+            number = float(plain(value)) if not isinstance(value, (bool, str)) else float("nan")
+            rate = 1.0 / number if key == "step" else number
+        except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+            rate = float("nan")
+        if not 0.0 < rate < float("inf"):
+            unit = "seconds" if key == "step" else "samples a second"
+            raise Error(f"{where}: '{key}' is {words_of(value)}, expected a positive number of "
+                        f"{unit}")
+        return rate
+    return None

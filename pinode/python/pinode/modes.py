@@ -14,7 +14,7 @@ from . import _html, _pinode
 from ._arrays import as_array, is_frame
 from ._part import as_folder, as_path, as_sequence
 from ._pinode import Error
-from .measurements import rate_of
+from .measurements import rate_from
 
 if TYPE_CHECKING:
     from .structure_view import StructureView
@@ -148,6 +148,8 @@ def identify_modes(
     records: Any,
     *,
     step: float | None = None,
+    fs: float | None = None,
+    sampling_rate_hz: float | None = None,
     names: Sequence[str] | None = None,
     quantity: str | Sequence[str] = "acceleration",
     loads: Any = None,
@@ -169,8 +171,8 @@ def identify_modes(
 ) -> IdentifiedModes:
     """Subspace identification over many orders, with intervals.
 
-    records: samples x channels of one set-up, `step` seconds apart; or a
-        dictionary {set-up: {"values": ..., "step": ..., "names": ...}} of several
+    records: samples x channels of one set-up, `step` seconds apart or `fs` (or
+        `sampling_rate_hz`) a second; or a dictionary {set-up: {"values": ..., "step": ..., "names": ...}} of several
         that have places in common, with `quantity`, `loads` and `free_decay` of
         their own where they differ; or a case: the path of a file, the tables of
         one ({"record": [...]}, as Case.from_dict takes them), or a Case, which
@@ -208,8 +210,9 @@ def identify_modes(
     output = as_folder(output)
     if output:
         _pinode.check_output_folder(output, overwrite)
-    one = {"step": step, "names": names, "quantity": quantity, "loads": loads,
-           "free_decay": free_decay}
+    rate = rate_from("identify_modes", step, fs, sampling_rate_hz)
+    one = {"step": step if rate is None or step is not None else 1.0 / rate, "names": names,
+           "quantity": quantity, "loads": loads, "free_decay": free_decay}
     of_file = {"columns": columns, "time": time}
     if _is_data_file(records, of_file):
         handle = _of_data_file(records, options, **one, **of_file, title=str(title))
@@ -271,7 +274,7 @@ def _of_data_file(
         [_short(quantity)] if isinstance(quantity, str) else
         [_short(name) for name in as_sequence("quantity", quantity)],
         time or "",
-        0.0 if step is None else rate_of(os.path.basename(path), step),
+        0.0 if step is None else 1.0 / step,
         free_decay,
         options,
         title,
@@ -311,9 +314,12 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
     if places is None and is_frame(setup["values"]):
         places = [str(name) for name in setup["values"].columns]
     places = [f"a{i + 1}" for i in range(count)] if places is None else as_sequence("names", places)
-    step = setup.get("step", one["step"])
+    own = [setup.get(key) for key in ("step", "fs", "sampling_rate_hz")]
+    rate = rate_from(f"set-up '{name}'", *own)
+    step = one["step"] if rate is None else own[0] if own[0] is not None else 1.0 / rate
     if step is None:
-        raise Error(f"set-up '{name}': 'step' is missing, expected seconds")
+        raise Error(f"set-up '{name}': 'step' is missing, expected step=seconds or fs=samples a "
+                    "second")
     loads = setup.get("loads", one["loads"])
     return (
         name,

@@ -2,8 +2,9 @@
 has them; records and modes are in `measurements`.
 
 Each is a dictionary with the keys of `pinode/case/README.md`; further keys of
-that page may be given by name. None counts as absent. What does not fit is
-refused when the parts become a `Case`.
+that page may be given by name. None counts as absent. Unknown keywords and values
+of another kind are refused at once; what does not fit the other parts, when they
+become a `Case`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,25 @@ from typing import Any
 
 import numpy as np
 
+from ._arguments import (
+    ANY,
+    FLAG,
+    LIST,
+    MAPPING,
+    MATRIX,
+    NAMES,
+    NUMBER,
+    PATH,
+    POSITIVE,
+    TEXT,
+    VALUES,
+    WHOLE,
+    Kind,
+    either,
+    one_of,
+    takes,
+    words_of,
+)
 from ._arrays import is_frame, rows_of_file
 from ._part import (
     ArrayLike,
@@ -57,7 +77,7 @@ def _size_of(mass: Any) -> int:
         rows = rows_of_file(as_path("mass", mass))
         if rows:
             return rows
-        raise Error(f"{mass}: nobody knows how many rows it has, expected 'dofs', a name for each")
+        raise Error(f"{mass}: the number of its rows is unknown, expected dofs=[...], a name for each")
     try:
         shape = mass.shape if hasattr(mass, "tocsc") else np.shape(as_matrix(mass))
     except ValueError:  # rows of different lengths
@@ -67,6 +87,33 @@ def _size_of(mass: Any) -> int:
             f"mass is {' x '.join(map(str, shape)) or 'no array'}, expected n x n numbers"
         )
     return shape[0]
+
+
+_DAMPING = Kind(
+    "an array, n x n, {'ratios': [0.02]} for 2 % of critical in every mode, "
+    "{'rayleigh': [a0, a1]} or 'none'",
+    lambda v: MATRIX.fits(v))
+# Of a table in which a parameter is searched for.
+_PARAMETER = {"initial": NUMBER, "lower": NUMBER, "upper": NUMBER, "prior_mean": NUMBER,
+              "prior_sigma": POSITIVE, "free": FLAG}
+_MODEL = {"dofs": NAMES, "influence": MAPPING, "support_mass_coupling": MAPPING,
+          "expected_hz": either(NUMBER, VALUES)}
+_ACTS_AS = one_of("acceleration", "force")
+
+
+def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -> None:
+    """Of an array in memory; files are read with the case."""
+    if matrix is None or isinstance(matrix, (str, os.PathLike, Mapping)):
+        return
+    try:
+        shape = matrix.shape if hasattr(matrix, "tocsc") else np.shape(as_matrix(matrix))
+    except ValueError:  # rows of different lengths
+        shape = ()
+    wanted = "n x n" if size is None else f"{size} x {size}"
+    if len(shape) != 2 or shape[0] != shape[1] or size not in (None, shape[0]):
+        found = " x ".join(map(str, shape)) or "no array"
+        as_mass = "" if size is None else " as mass is"
+        raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
 
 
 class Model(Part):
@@ -81,6 +128,7 @@ class Model(Part):
         at each DOF; {"x": all ones} unless given.
     """
 
+    @takes(mass=MATRIX, stiffness=MATRIX, damping=_DAMPING, **_MODEL)
     def __init__(
         self,
         mass: ArrayLike,
@@ -95,6 +143,10 @@ class Model(Part):
             dofs = _names_of_columns(mass=mass, stiffness=stiffness, damping=damping)
         if dofs is None:
             dofs = [f"u{i + 1}" for i in range(_size_of(mass))]
+        _check_square("Model", "mass", mass)
+        size = None if isinstance(mass, (str, os.PathLike, Mapping)) else _size_of(mass)
+        _check_square("Model", "stiffness", stiffness, size)
+        _check_square("Model", "damping", damping, size)
         super().__init__(
             dofs=as_names("dofs", dofs),
             mass=as_matrix(mass),
@@ -112,6 +164,7 @@ class ShearBuilding(Part):
     ... unless given.
     """
 
+    @takes(masses=VALUES, stiffnesses=VALUES, dampers=VALUES, damping=_DAMPING, **_MODEL)
     def __init__(
         self,
         masses: ArrayLike,
@@ -144,6 +197,9 @@ class FiniteElementModel(Part):
         DOFs. `damping` of the reduced model as for Model, as {"ratios": ...}.
     """
 
+    @takes(mass=MATRIX, stiffness=MATRIX, exported_damping=MATRIX, remove_dofs=NAMES,
+           ground_directions=MAPPING, expected_frequencies=VALUES, reduction=MAPPING,
+           frequency_tolerance=POSITIVE, damping=_DAMPING, **{**_MODEL, "dofs": either(NAMES, PATH)})
     def __init__(
         self,
         mass: Any,
@@ -154,6 +210,7 @@ class FiniteElementModel(Part):
         remove_dofs: Sequence[str] | None = None,
         ground_directions: Mapping[str, int] | None = None,
         expected_frequencies: ArrayLike | None = None,
+        frequency_tolerance: float | None = None,
         reduction: Mapping[str, Any] | None = None,
         damping: Mapping[str, Any] | str | None = None,
         **keys: Any,
@@ -167,6 +224,7 @@ class FiniteElementModel(Part):
                 remove_dofs=as_names("remove_dofs", remove_dofs),
                 ground_directions=ground_directions,
                 expected_frequencies=as_list(expected_frequencies),
+                frequency_tolerance=frequency_tolerance,
             ),
             reduction=reduction,
             damping=damping,
@@ -180,6 +238,7 @@ class Unknown(Part):
     A bare number in its place is fixed.
     """
 
+    @takes(**_PARAMETER)
     def __init__(
         self,
         initial: float = 0.0,
@@ -211,6 +270,9 @@ class Group(Part):
     adds_to: "stiffness", "damping" or "mass".
     """
 
+    @takes(name=TEXT, matrix=MATRIX, adds_to=one_of("stiffness", "damping", "mass"),
+           between=NAMES, storey=WHOLE, scale=NUMBER, changed_export=MATRIX, set_export=MATRIX,
+           factor=NUMBER, follows=MAPPING, present=NUMBER, proportional_to=TEXT, **_PARAMETER)
     def __init__(
         self,
         name: str,
@@ -228,6 +290,7 @@ class Group(Part):
         prior_sigma: float | None = None,
         **keys: Any,
     ) -> None:
+        _check_square(f"Group({name!r})", "matrix", matrix)
         super().__init__(
             name=name,
             adds_to=adds_to,
@@ -254,6 +317,7 @@ class Element(Part):
     file: the shared library that has the type, see pinode.elements.
     """
 
+    @takes(name=TEXT, type=TEXT, between=NAMES, parameters=MAPPING, file=PATH, optional=FLAG)
     def __init__(
         self,
         name: str,
@@ -285,6 +349,7 @@ class Library(Part):
     terms: functions, or {"basis": function, "initial": ...}.
     """
 
+    @takes(name=TEXT, inputs=NAMES, output=TEXT, terms=LIST, acts_as=_ACTS_AS, select=FLAG)
     def __init__(
         self,
         name: str,
@@ -314,6 +379,9 @@ class Network(Part):
     layers: widths of the hidden layers; [] makes it linear.
     """
 
+    @takes(name=TEXT, inputs=NAMES, outputs=NAMES, layers=VALUES, activation=TEXT,
+           acts_as=_ACTS_AS, seed=WHOLE, input_scale=VALUES, output_scale=VALUES, bias=FLAG,
+           skip=either(FLAG, TEXT), gauge=ANY, decay=NUMBER, weights=ANY, free=FLAG, truth=ANY)
     def __init__(
         self,
         name: str,
@@ -346,6 +414,9 @@ class UnknownForce(Part):
     scale: about its size, in the model's unit of force.
     """
 
+    @takes(name=TEXT, dof=TEXT, shape=TEXT, record=TEXT, window=VALUES, knot_spacing=POSITIVE,
+           scale=POSITIVE, parameters=MAPPING, neighbourhood=NUMBER, relaxation=NUMBER,
+           band_hz=either(NUMBER, VALUES), values=VALUES, free=FLAG, truth=ANY)
     def __init__(
         self,
         name: str,

@@ -212,7 +212,7 @@ def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
             ({}, "no column is known to be the time"),
             ({"step": STEP, "columns": ["a9"]}, "a9"),
             ({"step": STEP, "columns": 3}, "columns is a value of type int"),
-            ({"step": -1.0}, "'step' is -1.0"),
+            ({"step": -1.0}, "'step' is the number -1.0"),
             ({"step": STEP, "time": "a1"}, "expected one of them"),
             ({"step": STEP, "time": 3}, "time is a value of type int"),
             ({"step": STEP, "quantity": "force"}, "quantity 'force'"),

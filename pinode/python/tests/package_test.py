@@ -105,7 +105,7 @@ def test_what_is_public_is_described():
 
 
 # Of the way from a case to a fit, nothing to be called.
-INTERNAL = {"progress.watched", "measurements.rate_of"}
+INTERNAL = {"progress.watched", "measurements.rate_from"}
 
 
 def test_what_has_a_public_name_is_public():

@@ -1,0 +1,70 @@
+"""Sentences of the library in the words of Python.
+
+The library reads a case as a file has it, and its sentences name tables and keys of
+files. Of a case from parts they are to name these.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Callable
+from typing import Any
+
+from ._case_tables import KEYS
+from ._pinode import Error
+
+_PLURALS = {table: key for key, table in KEYS.items()} | {"channel": "channels"}
+_KEYWORDS = {"frequency": "frequency_hz", "channel": "channels"}
+_LISTS = "|".join(_PLURALS)
+
+
+def in_python(sentence: str) -> str:
+    """`sentence` with the names of parts and arguments in place of tables and keys."""
+    sentence = re.sub(r"\[\[(\w+)\.(\w+)\]\] (\d+)", _place, sentence)
+    sentence = re.sub(r"\[\[(\w+)\]\] (\d+)", _place, sentence)
+    sentence = re.sub(r"\[\[(?:\w+\.)?(\w+)\]\]",
+                      lambda m: _PLURALS.get(m[1], m[1]), sentence)
+    sentence = re.sub(r"\[(?:model\.)?([a-z_]+)\](?=:|,| \w|$|\.)", r"\1", sentence)
+    sentence = re.sub(rf"<?\b({_LISTS})\[(\d+)\]\.?([\w.\[\]]*?)>?(?=:|,| |$)", _path, sentence)
+    sentence = re.sub(r"<(\w+)\.([\w.]+)>", r"\1.\2", sentence)
+    # Tables within braces.
+    sentence = re.sub(r"(?<=[{,]) ?(\w+) = ", lambda m: f' "{m[1]}": ', sentence)
+    sentence = sentence.replace('{ "', '{"')
+    sentence = re.sub(r"\b(\w+) = (?=[\"'{\[]|true|false|\d)", r"\1=", sentence)
+    sentence = re.sub(r"=true\b", "=True", sentence)
+    sentence = re.sub(r"=false\b", "=False", sentence)
+    sentence = re.sub(r"'(frequency|channel)' is", lambda m: f"'{_KEYWORDS[m[1]]}' is", sentence)
+    return sentence.replace("a file's name, rows [[...], ...]", "an array, rows [[...], ...]")
+
+
+def _place(match: "re.Match[str]") -> str:
+    """Entry of a list, from 0."""
+    name = match[match.lastindex - 1]  # type: ignore[operator]
+    return f"{_PLURALS.get(name, name)}[{int(match[match.lastindex]) - 1}]"  # type: ignore[index]
+
+
+def _path(match: "re.Match[str]") -> str:
+    """A path into the tree of a case."""
+    rest = re.sub(r"\bchannel\[", "channels[", match[3])
+    rest = "" if rest == "file" else rest
+    return f"{_PLURALS[match[1]]}[{match[2]}]" + (f".{rest}" if rest else "")
+
+
+def speaks_python(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A decorator for methods of a Case; of one from a file the words stay those of
+    the file."""
+
+    @functools.wraps(method)
+    def call(self: Any, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return method(self, *args, **kwargs)
+        except Error as failure:
+            words = str(failure)
+            if getattr(self, "_parts", None) is None or in_python(words) == words:
+                raise
+        raise Error(in_python(words))
+
+    if hasattr(method, "known_keywords"):
+        call.known_keywords = method.known_keywords  # type: ignore[attr-defined]
+    return call
