@@ -2,6 +2,11 @@
 
     import pinode
 
+    fit = pinode.identify(M, K, floors, ground=ag, fs=100)
+    print(fit)
+
+is the simple case. A case of several parts:
+
     case = pinode.Case(
         pinode.Model(mass=M, stiffness=K, damping=C),
         groups=[pinode.Group("k1", matrix=K1)],
@@ -27,6 +32,7 @@ from typing import TYPE_CHECKING
 from . import _checked, _pinode
 from ._arguments import KeywordError
 from ._pinode import Error, __version__
+from ._simple import identify
 from .case import Case, read_case
 from .forecast import Check, SensorPlan, Simulation
 from .measurements import Channel, Mode, Record, channels
@@ -98,6 +104,7 @@ __all__ = [
     "Unknown",
     "UnknownForce",
     "channels",
+    "identify",
     "identify_modes",
     "read_case",
     "read_result",

@@ -27,7 +27,8 @@ def blank(width: float, height: float) -> Any:
     try:
         from ._figure import Figure
     except ImportError:
-        raise Error("matplotlib is missing, expected it for figures") from None
+        raise Error("matplotlib is missing, and figures need it: python3 -m pip install "
+                    "matplotlib") from None
 
     return Figure(figsize=(width, height), layout="constrained")
 

@@ -14,6 +14,24 @@ def change_row(group: Mapping[str, Any]) -> list[Any]:
     return [group[key] for key in ("name", "change", "lower95", "upper95", "probability")]
 
 
+def summary_lines(parameters: Iterable[Any], records: Iterable[Any]) -> list[str]:
+    """Parameters and scores of records as a terminal shows them."""
+    found = _html.plain_table(
+        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
+        [[p.name, p.initial, p.value, p.lower95, p.upper95, p.unit] for p in parameters],
+    )
+    scores = _html.plain_table(
+        ["record", "role", "error (%)", "before (%)"],
+        [[r["name"], r["role"], _percent(r["nrmse"]), _percent(r["prior_nrmse"])]
+         for r in records],
+    )
+    return [*found, *([""] if found and scores else []), *scores]
+
+
+def _percent(share: Any) -> Any:
+    return None if share is None else f"{100.0 * share:.3g}"
+
+
 def tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
     """Parameters and scores of records as notebooks show them."""
     keys = ("name", "initial", "value", "lower95", "upper95", "unit")

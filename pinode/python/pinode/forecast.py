@@ -30,13 +30,38 @@ class Check(dict):
 
         return frames.of_check(self, what)
 
-    def _repr_html_(self) -> str:
+    @property
+    def _title(self) -> str:
         if "not_assessed" in self:
-            title = f"Not assessed: {self['not_assessed']}"
-        elif "num_free" in self:
-            title = f"{self['num_free']} free parameters, {self['num_residuals']} residuals"
-        else:
-            title = "Nothing was measured"
+            return f"Not assessed: {self['not_assessed']}"
+        if "num_free" in self:
+            return f"{self['num_free']} free parameters, {self['num_residuals']} residuals"
+        return "Nothing was measured"
+
+    def __repr__(self) -> str:
+        expected = ", ".join(f"{e['name']} +- {_html.text(e['sigma'])}"
+                             for e in self.get("expected", [])[:4])
+        count = len(self.get("undetermined", []))
+        parts = [self._title, expected, f"{count} undetermined" if count else ""]
+        return f"Check({'; '.join(part for part in parts if part)})"
+
+    def __str__(self) -> str:
+        lines = [self._title]
+        for title, key in (("Cannot be determined:", "undetermined"), ("Remarks:", "remarks"),
+                           ("", "assessment_remarks")):
+            found = [f"- {sentence}" for sentence in self.get(key, [])]
+            lines += [*([title] if found and title else []), *found]
+        expected = _html.plain_table(
+            ["parameter", "before", "expected deviation", "unit"],
+            [[e["name"], e["initial"], e["sigma"], e["unit"]] for e in self.get("expected", [])])
+        steps = _html.plain_table(
+            ["record", "integrator", "steps a sample"],
+            [[s["record"], s["integrator"], s["substeps"]] for s in self.get("steps", [])])
+        return "\n".join([*lines, *([""] if expected else []), *expected,
+                          *([""] if steps else []), *steps])
+
+    def _repr_html_(self) -> str:
+        title = self._title
         expected = [
             [e["name"], e["initial"], e["sigma"], e["unit"]] for e in self.get("expected", [])
         ]
@@ -102,7 +127,7 @@ class Simulation(Mapping):
 
     def __repr__(self) -> str:
         text = ", ".join(
-            f"{name}: {len(r['time'])} samples" + ("" if r["finite"] else ", not finite")
+            f"{name}: {len(r['time'])} samples of {', '.join(r['channels'])}" + ("" if r["finite"] else ", not finite")
             for name, r in self.items()
         )
         return f"Simulation({text})"

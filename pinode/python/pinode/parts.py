@@ -32,7 +32,6 @@ from ._arguments import (
     either,
     one_of,
     takes,
-    words_of,
 )
 from ._arrays import is_frame, rows_of_file
 from ._part import (

@@ -228,8 +228,9 @@ class ResultFolder:
             parts.append(_dictionaries(self.json.get(key, [])))
         if self.kind in ("modes", "check"):
             parts.append(_dictionaries(self.json.get("modes", [])))
-        return _html.section(f"{self.path}: {title}", *parts,
-                             _html.sentences("Remarks:", self.json.get("remarks", [])))
+        verdict = self.verdict if self.kind in ("fit", "damage", "discovery") else None
+        parts.append(_html.sentences("Remarks:", self.json.get("remarks", [])))
+        return _html.section(f"{self.path}: {title}", *parts, verdict=verdict)
 
 
 def _read_json(file: Path) -> dict[str, Any]:

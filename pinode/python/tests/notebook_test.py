@@ -29,7 +29,7 @@ def test_a_check_is_a_dictionary_with_tables(healthy):
     html = check._repr_html_()
     assert "3 free parameters, 4500 residuals" in html
     (expected,) = [row for row in cells(html) if row[:1] == ["k1"]]
-    assert expected[2] == f"{check['expected'][0]['sigma']:.5g}"
+    assert expected[2] == f"{check['expected'][0]['sigma']:.4g}"
     assert ["healthy", check["steps"][0]["integrator"], str(check["steps"][0]["substeps"])] in (
         cells(html))
     assert "Cannot be determined" not in html
@@ -51,8 +51,8 @@ def test_a_simulation(healthy):
     values = simulation["healthy"]["channels"]["a3"]
     assert "Simulation of 1 record<" in html
     assert ["healthy", "1500", "a1, a2, a3", ""] in cells(html)
-    assert ["healthy", "a3", f"{np.sqrt(np.mean(values**2)):.5g}",
-            f"{np.abs(values).max():.5g}"] in cells(html)
+    assert ["healthy", "a3", f"{np.sqrt(np.mean(values**2)):.4g}",
+            f"{np.abs(values).max():.4g}"] in cells(html)
     lost = dict(simulation["healthy"], finite=False, remark="its start is unknown")
     broken = pinode.Simulation({"healthy": lost}, healthy, {})
     assert "not finite its start is unknown" in broken._repr_html_()
@@ -75,3 +75,44 @@ def test_a_result_folder_as_the_result(kind, baseline, damaged, tmp_path):
 def test_names_are_no_markup(healthy):
     check = pinode.Check(healthy.check(), undetermined=["<b>"])
     assert "<li>&lt;b&gt;</li>" in check._repr_html_()
+
+
+def test_it_is_styled_for_light_and_dark_pages(baseline, damaged, healthy):
+    damage = damaged.damage([baseline])
+    for shown in (baseline, damage, healthy, healthy.check(), healthy.simulate()):
+        html = shown._repr_html_()
+        style = html.partition("<style>")[2].partition("</style>")[0]
+        # The text has the colour of the page.
+        assert "color:inherit" in style and "#" not in style
+        numbers = [cell for row in cells(html) for cell in row if "." in cell]
+        assert all(len(n.lstrip("-").replace(".", "").lstrip("0").partition("e")[0]) <= 4
+                   for n in numbers if n.replace(".", "").lstrip("-").isdigit()), numbers
+    assert '<span class="verdict good">good</span>' in baseline._repr_html_()
+    assert '<span class="verdict damage">damage</span>' in damage._repr_html_()
+
+
+def test_checks_and_simulations_in_a_terminal(healthy):
+    check = healthy.check()
+    assert repr(check).startswith("Check(3 free parameters, 4500 residuals; k1 +- 0.0")
+    lines = str(check).splitlines()
+    assert lines[0] == "3 free parameters, 4500 residuals"
+    (row,) = [line.split() for line in lines if line.startswith("k1 ")]
+    assert row[2] == f"{check['expected'][0]['sigma']:.4g}"
+    assert any(line.startswith("healthy ") for line in lines) and "{" not in str(check)
+    twice = healthy.replace(groups=[*conftest.groups(),
+                                    pinode.Group("same", frame_testing.STOREYS[0])]).check()
+    assert "Cannot be determined:" in str(twice) and "undetermined" in repr(twice)
+    assert repr(healthy.simulate()) == "Simulation(healthy: 1500 samples of a1, a2, a3)"
+
+
+def test_a_summary(baseline, damaged):
+    lines = baseline.summary().splitlines()
+    assert lines[0] == baseline.sentence
+    (row,) = [line.split() for line in lines if line.startswith("k1 ")]
+    p = baseline.parameters["k1"]
+    assert row[1:5] == [f"{v:.4g}" for v in (p.initial, p.value, p.lower95, p.upper95)]
+    error = baseline.records["healthy"]["nrmse"]
+    assert ["healthy", "train", f"{100 * error:.3g}"] in [line.split()[:3] for line in lines]
+    damage = damaged.damage([baseline])
+    lines = damage.summary().splitlines()
+    assert lines[0] == damage.sentence and damage.fit_sentence in lines

@@ -66,7 +66,7 @@ def test_of_identified_modes(tmp_path):
         for key in ("shape", "shape_sigma_real", "shape_sigma_imaginary"):
             assert np.allclose(theirs[key], ours[key])
     assert len(folder.table("modes.csv")["u3_real"]) == 3
-    assert f"{found[0]['frequency_hz']:.5g}" in folder._repr_html_()
+    assert f"{found[0]['frequency_hz']:.4g}" in folder._repr_html_()
     refuses(folder, ["usable", "message", "parameters", "sensors"], "identified modes")
 
 

@@ -1,0 +1,81 @@
+"""A record beside what a model predicts for it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _pinode
+from ._arguments import LIST
+from ._pinode import Error
+from .case import Case
+from .measurements import Record
+
+
+class RecordResult(NamedTuple):
+    """A record beside what the model predicts for it, in a free run.
+
+    time (s, or the unit of the record's file), and by channel the measured
+    values, the predicted ones and the standard deviation of what the sensor
+    reads about these (empty where it is not known), in `units`, those of the
+    record's file. states: [x; v; z] of the model in its units, states x
+    samples; start: the first of them.
+    """
+
+    time: np.ndarray
+    measured: dict[str, np.ndarray]
+    predicted: dict[str, np.ndarray]
+    deviation: dict[str, np.ndarray]
+    units: dict[str, str]
+    states: np.ndarray
+    start: np.ndarray
+
+
+def predicted(outcome: Any, record: Mapping[str, Any]) -> RecordResult:
+    """A record that need not be of the case, as the model of a fit predicts it."""
+    if not isinstance(record, Record):
+        raise Error(f"record is a value of type {type(record).__name__}, expected a name or a "
+                    "pinode.Record")
+    listed = record.get("channel")
+    if not LIST.fits(listed) or not listed:
+        raise Error(f"record '{record['name']}': channels is missing, expected the sensors to "
+                    "predict, such as pinode.Channel('a1', dof='u1')")
+    with tempfile.TemporaryDirectory(prefix="pinode_") as folder:
+        outcome._handle.save_model(folder)
+        path = str(Path(folder) / "model.toml")
+        case = Case.from_dict(_for_simulation(_pinode.toml_tree(path), record), path=path)
+        found = case.simulate(noise_percent=0.0)[record["name"]]
+    if not found["finite"]:
+        raise Error(f"record '{record['name']}': the motion of the model does not stay finite "
+                    f"{found['remark']}")
+    return RecordResult(
+        time=found["time"],
+        measured=_measured(record),
+        predicted=found["channels"],
+        deviation={name: np.zeros(0) for name in found["channels"]},
+        units={channel["name"]: channel.get("unit", "model") for channel in listed},
+        states=found["states"],
+        start=found["states"][:, 0],
+    )
+
+
+def _for_simulation(tree: dict[str, Any], record: Record) -> dict[str, Any]:
+    """A case of the model and this record alone, without what was measured."""
+    kept = ("title", "units", "model", "group", "element", "library", "network", "options")
+    channels = [{key: value for key, value in channel.items() if key not in ("column", "file")}
+                for channel in record["channel"]]
+    return {**{key: tree[key] for key in kept if key in tree},
+            "record": [{**record, "channel": channels}]}
+
+
+def _measured(record: Record) -> dict[str, np.ndarray]:
+    """Values of the channels that have some in memory."""
+    table = record.get("file")
+    if not isinstance(table, Mapping):
+        return {}
+    return {channel["name"]: np.asarray(table[channel["column"]], dtype=float)
+            for channel in record["channel"] if channel.get("column") in table}

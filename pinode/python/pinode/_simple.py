@@ -1,0 +1,192 @@
+"""One call for the simple case: matrices and arrays in, a fit out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arguments import (
+    ANY,
+    FLAG,
+    LIST,
+    MAPPING,
+    MATRIX,
+    NAMES,
+    NOT_NEGATIVE,
+    POSITIVE,
+    TEXT,
+    VALUES,
+    Kind,
+    check_kind,
+    either,
+    one_of,
+    takes,
+)
+from ._arrays import as_array, is_frame
+from ._part import ArrayLike
+from ._pinode import Error
+from .case import Case, Progress
+from .measurements import INTERPOLATIONS, QUANTITIES, Record, channels
+from .parts import Group, Model
+
+if TYPE_CHECKING:
+    from .result import Fit
+
+# Damping that a search begins from: usual of steel and of cracked concrete.
+_RATIO = 0.02
+# Share of the largest stiffness below which a sum of entries is rounding.
+_ROUNDING = 1e-9
+_DAMPING = Kind("a ratio such as 0.02, an array, n x n, or {'ratios': [...]}",
+                lambda v: MATRIX.fits(v) or (NOT_NEGATIVE.fits(v) and float(v) < 1.0))
+
+
+@takes(mass=MATRIX, stiffness=MATRIX, response=ANY, ground=either(VALUES, MAPPING), force=MAPPING,
+       step=ANY, fs=POSITIVE, sampling_rate_hz=POSITIVE, time=VALUES, groups=either(MAPPING, LIST),
+       damping=_DAMPING, quantity=one_of(*QUANTITIES), dofs=NAMES, at=NAMES,
+       interpolation=one_of(*INTERPOLATIONS), start=either(TEXT, MAPPING),
+       sigma=NOT_NEGATIVE, units=MAPPING, options=MAPPING, progress=FLAG)
+def identify(
+    mass: ArrayLike,
+    stiffness: ArrayLike,
+    response: ArrayLike,
+    *,
+    ground: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    force: Mapping[str, ArrayLike] | None = None,
+    step: float | None = None,
+    fs: float | None = None,
+    sampling_rate_hz: float | None = None,
+    time: ArrayLike | None = None,
+    groups: Mapping[str, ArrayLike] | Sequence[Group] | None = None,
+    damping: float | ArrayLike | Mapping[str, Any] | None = None,
+    quantity: str = "absolute_acceleration",
+    dofs: Sequence[str] | None = None,
+    at: Sequence[str] | None = None,
+    interpolation: str = "linear",
+    start: str | Mapping[str, ArrayLike] = "rest",
+    sigma: float | None = None,
+    units: Mapping[str, str] | None = None,
+    options: Mapping[str, Any] | None = None,
+    progress: bool | None = None,
+    callback: Progress | None = None,
+) -> "Fit":
+    """Stiffness of a structure from one record, in one call.
+
+        fit = pinode.identify(M, K, floors, ground=ag, fs=100)
+        print(fit.sentence, fit["k_ground_u1"])
+
+    mass, stiffness: n x n, in consistent units (N, m, s unless `units` says otherwise).
+    response: samples x channels, one a DOF, or `at` the DOFs that are named.
+    ground: acceleration of the ground, one number a sample; or {direction: values}.
+    force: {dof: values}. One of ground and force is needed, unless `start` is "free":
+        a free decay.
+    step, fs, sampling_rate_hz, time: seconds between samples, samples a second, or
+        times; one of them is needed.
+    groups: what may have changed, {name: matrix} or a list of Group. A value of -0.1
+        says that the structure has nine tenths of that matrix. Unless given, each
+        spring between two DOFs, or a DOF and the ground, is one: "k_ground_u1",
+        "k_u1_u2", ...
+    damping: a ratio for all modes, 0.02 unless given, from which the search begins: a
+        common factor is found, "damping". A matrix, or a dictionary as for Model, is
+        kept as it is.
+    quantity: of the response, as for Channel. sigma: of its noise; estimated unless given.
+    interpolation: of ground and force between samples.
+
+    `fit.case` is the Case that was made, for all that has more keys.
+    """
+    columns = _response(response)
+    if ground is None and force is None and start == "rest":
+        raise Error(
+            "identify: ground and force are both missing, expected what moved the structure; "
+            "start='free' for a free decay; pinode.identify_modes where no load was measured"
+        )
+    is_ratio = damping is None or not MATRIX.fits(damping)
+    ratio = _RATIO if damping is None else damping
+    model = Model(mass, stiffness, {"ratios": [float(ratio)]} if is_ratio else damping, dofs=dofs)
+    names = list(model["dofs"])
+    if at is None:
+        at = _places(response, columns.shape[1], names)
+    found = _groups(groups, Case(model, units=units).stiffness, names)
+    if is_ratio and float(ratio) > 0.0:
+        found.append(Group("damping", Case(model, units=units).damping, adds_to="damping"))
+    record = Record(
+        "record",
+        step=step,
+        fs=fs,
+        sampling_rate_hz=sampling_rate_hz,
+        time=time,
+        ground=ground if ground is None or isinstance(ground, Mapping) else {"x": ground},
+        force=force,
+        interpolation=None if ground is None and force is None else interpolation,
+        start=start,
+        channels=channels("y", columns, quantity, dofs=at, sigma=sigma),
+    )
+    case = Case(model, groups=found, records=[record], units=units, options=options)
+    return case.identify(progress=progress, callback=callback)
+
+
+def _response(response: Any) -> np.ndarray:
+    """Samples x channels."""
+    try:
+        columns = as_array(response)
+    except (TypeError, ValueError):
+        columns = np.zeros(())
+    if columns.ndim == 1:
+        columns = columns[:, None]
+    if columns.ndim != 2 or columns.dtype.kind not in "fiu":
+        check_kind("identify", "response", response,
+                   Kind("an array of numbers, samples x channels", lambda _: False))
+    if columns.shape[0] < columns.shape[1]:
+        raise Error(
+            f"identify: response is {columns.shape[0]} x {columns.shape[1]}, expected samples x "
+            "channels; if each row is a channel, pass its transpose, response.T"
+        )
+    return columns
+
+
+def _places(response: Any, count: int, names: list[str]) -> list[str]:
+    """DOFs of the channels: those that the columns of a frame name, or all in order."""
+    if is_frame(response) and all(name in names for name in response.columns):
+        return list(response.columns)
+    if count != len(names):
+        raise Error(
+            f"identify: response has {count} channels and the model {len(names)} DOFs, expected "
+            "at=[...], the DOF of each channel"
+        )
+    return names
+
+
+def _groups(given: Any, stiffness: np.ndarray, names: list[str]) -> list[Any]:
+    if given is None:
+        return _springs(stiffness, names)
+    if isinstance(given, Mapping):
+        return [Group(name, matrix) for name, matrix in given.items()]
+    return list(given)
+
+
+def _springs(stiffness: np.ndarray, names: list[str]) -> list[Any]:
+    """The springs that a stiffness consists of: between DOFs i and j one of -K_ij, from
+    DOF i to the ground the sum of row i."""
+    size = len(names)
+    rounding = _ROUNDING * float(np.abs(stiffness).max(initial=0.0))
+    springs: list[tuple[str, int, int, float]] = []
+    for i in range(size):
+        springs.append((f"k_ground_{names[i]}", i, i, float(stiffness[i].sum())))
+        springs += [(f"k_{names[i]}_{names[j]}", i, j, float(-stiffness[i, j]))
+                    for j in range(i + 1, size)]
+    if any(value < -rounding for *_, value in springs):
+        raise Error(
+            "identify: groups is missing, expected {name: matrix}, what each member adds to "
+            "stiffness; this stiffness is not one of springs between DOFs"
+        )
+    found = []
+    for name, i, j, value in springs:
+        if value <= rounding:
+            continue
+        matrix = np.zeros((size, size))
+        matrix[i, i] = matrix[j, j] = value
+        if i != j:
+            matrix[i, j] = matrix[j, i] = -value
+        found.append(Group(name, matrix))
+    return found
