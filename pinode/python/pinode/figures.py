@@ -28,6 +28,7 @@ from ._drawing import (
 )
 from ._forecast_figures import planned, simulated
 from ._histories import forces, loops, prediction
+from ._modal_figures import fdd, mac
 from ._mode_shapes import shape_pairs
 from ._pinode import Error
 
@@ -41,9 +42,11 @@ __all__ = [
     "convergence",
     "equation_features",
     "equations",
+    "fdd",
     "forces",
     "identified_shapes",
     "loops",
+    "mac",
     "modal_spectra",
     "mode_shapes",
     "modes",
@@ -82,12 +85,15 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
 
 
 def of_modes(found: Any) -> "dict[str, Figure]":
-    """Of identified modes: stabilisation diagrams, spectra and shapes, by name."""
+    """Of identified modes: stabilisation diagrams, spectra, singular values, shapes and
+    MAC, by name."""
     drawn = {}
     for record in found.methods:
         drawn[f"stabilisation_{record}"] = stabilisation(found, record)
         drawn[f"spectra_{record}"] = modal_spectra(found, record)
+        drawn[f"fdd_{record}"] = fdd(found, record)
     drawn["shapes"] = identified_shapes(found)
+    drawn["mac"] = mac(found)
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._arguments import words_of
 from ._arrays import as_array, is_frame
-from ._part import as_folder, as_path, as_sequence
+from ._conditioned import check_band, check_trend, conditioned
+from ._part import as_flag, as_folder, as_path, as_sequence
 from ._pinode import Error
 from .measurements import rate_from
 
@@ -30,13 +32,14 @@ _LONGER = {"absolute_displacement": "displacement", "absolute_acceleration": "ac
 
 class IdentifiedModes(Sequence):
     """Modes by frequency; each a dictionary: frequency_hz, damping_ratio, their
-    sigma, lower95 and upper95, the complex shape over `places`."""
+    sigma, lower95 and upper95, the complex shape over `places`, and is_harmonic: the
+    vibration of a machine, which is no mode of the structure."""
 
     def __init__(self, handle: Any) -> None:
         self._handle = handle
         self._modes: list[dict[str, Any]] = handle.modes
         self.places: list[str] = handle.places
-        self.remarks: list[str] = handle.remarks
+        self.remarks: list[str] = [_in_python(remark) for remark in handle.remarks]
 
     def __getstate__(self) -> dict[str, Any]:
         # All that is shown; the records stay behind.
@@ -59,6 +62,21 @@ class IdentifiedModes(Sequence):
         if not self._modes:
             return np.zeros((len(self.places), 0), dtype=complex)
         return np.column_stack([m["shape"] for m in self._modes])
+
+    def mac(self, other: "IdentifiedModes | None" = None) -> np.ndarray:
+        """Modal assurance criterion |a^H b|^2 / (a^H a b^H b) of each mode with each,
+        modes x modes; or with those of `other`, at the places that both have."""
+        both = self if other is None else other
+        if not isinstance(both, IdentifiedModes):
+            raise Error(f"other is {words_of(other)}, expected identified modes")
+        shared = [place for place in self.places if place in both.places]
+        if not shared:
+            raise Error("other has no place in common with these modes, expected one or more")
+        one = np.nan_to_num(self.shapes[[self.places.index(p) for p in shared]])
+        two = np.nan_to_num(both.shapes[[both.places.index(p) for p in shared]])
+        sizes = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(two) ** 2).sum(axis=0))
+        products = np.abs(one.conj().T @ two) ** 2
+        return np.divide(products, sizes, out=np.zeros_like(products), where=sizes > 0.0)
 
     @functools.cached_property
     def methods(self) -> dict[str, str]:
@@ -102,9 +120,30 @@ class IdentifiedModes(Sequence):
             raise Error("modes from a pickle are without their records: save the folder before")
         self._handle.save(as_path("folder", folder), overwrite, mat)
 
+    def plot(self, what: str = "stabilisation", record: str | None = None) -> Any:
+        """One figure of matplotlib: "stabilisation", "spectra", "fdd" (singular values
+        of the spectra), these of a record, the first unless it is named; "shapes" or
+        "mac"."""
+        from . import figures
+
+        kinds = {"stabilisation": figures.stabilisation, "spectra": figures.modal_spectra,
+                 "fdd": figures.fdd, "shapes": figures.identified_shapes, "mac": figures.mac}
+        if not isinstance(what, str) or what not in kinds:
+            raise Error(f"what is {words_of(what)}, expected one of {', '.join(kinds)}")
+        if what in ("shapes", "mac"):
+            drawn = kinds[what](self)
+        else:
+            name = next(iter(self.methods), None) if record is None else record
+            if not isinstance(name, str) or name not in self.methods:
+                raise Error(f"there is no record {name!r:.40} in the modes")
+            drawn = kinds[what](self, name)
+        if drawn is None:
+            raise Error(f"there is nothing to plot as '{what}'")
+        return drawn
+
     def figures(self) -> "dict[str, Any]":
-        """Of matplotlib, by name: the stabilisation diagram of each record, the
-        shapes."""
+        """Of matplotlib, by name: the stabilisation diagram of each record, spectra,
+        singular values, shapes and MAC."""
         from . import figures
 
         return figures.of_modes(self)
@@ -137,10 +176,11 @@ class IdentifiedModes(Sequence):
     def _repr_html_(self) -> str:
         rows = [
             [i + 1, m["frequency_hz"], m["frequency_lower95"], m["frequency_upper95"],
-             m["damping_ratio"], m["damping_lower95"], m["damping_upper95"]]
+             m["damping_ratio"], m["damping_lower95"], m["damping_upper95"],
+             "harmonic" if m["is_harmonic"] else ""]
             for i, m in enumerate(self._modes)
         ]
-        header = ["mode", "Hz", "from", "to (95 %)", "damping ratio", "from", "to (95 %)"]
+        header = ["mode", "Hz", "from", "to (95 %)", "damping ratio", "from", "to (95 %)", ""]
         return _html.section(f"{len(self)} modes", _html.table(header, rows))
 
 
@@ -164,6 +204,9 @@ def identify_modes(
     max_damping_ratio: float | None = None,
     references: Sequence[str] | None = None,
     pick: Sequence[float] | None = None,
+    harmonics: bool | None = None,
+    detrend: bool | str | None = None,
+    filter_hz: Sequence[float | None] | None = None,
     threads: int = 0,
     title: str = "",
     output: str | os.PathLike[str] = "",
@@ -191,6 +234,13 @@ def identify_modes(
         what the record is unless given.
     lowest_hz, highest_hz: what is looked for.
     pick: frequencies (Hz) at which modes are taken whether stable or not.
+    harmonics: True keeps harmonics of machines among the `modes` for a case
+        (`for_case`, modes.toml); they are left out unless it is given. Each mode says
+        whether it is one, `is_harmonic`.
+    detrend: of arrays, what is taken away first: True or "linear", or "constant".
+    filter_hz: of arrays, (lowest, highest): a zero-phase Butterworth filter lets this
+        band through, None for an open end. Modes outside are not looked for. The method
+        needs no filter: use it against drift or strong noise outside of the band.
     output: a result folder, as `pinode_modes` writes it.
 
     What is not given is as the case says, or as a default with a reason does
@@ -205,7 +255,12 @@ def identify_modes(
         "max_damping_ratio": max_damping_ratio,
         "references": None if references is None else as_sequence("references", references),
         "pick": None if pick is None else as_sequence("pick", pick),
+        "harmonics": None if harmonics is None else as_flag("harmonics", harmonics),
     }
+    trend, band = check_trend(detrend), check_band(filter_hz)
+    if band is not None:
+        options["lowest_hz"] = band[0] if lowest_hz is None else lowest_hz
+        options["highest_hz"] = band[1] if highest_hz is None else highest_hz
     options = {key: value for key, value in options.items() if value is not None}
     output = as_folder(output)
     if output:
@@ -214,16 +269,18 @@ def identify_modes(
     one = {"step": step if rate is None or step is not None else 1.0 / rate, "names": names,
            "quantity": quantity, "loads": loads, "free_decay": free_decay}
     of_file = {"columns": columns, "time": time}
+    of_arrays = {"detrend": trend, "filter_hz": band}
     if _is_data_file(records, of_file):
+        _refuse_given("these are of arrays", of_arrays)
         handle = _of_data_file(records, options, **one, **of_file, title=str(title))
     elif (handle := _of_case(records, options)) is not None:
         _refuse_given("a case says itself what its records are",
-                      {**one, **of_file, "title": title or None})
+                      {**one, **of_file, **of_arrays, "title": title or None})
     else:
         _refuse_given("of arrays `names` and `step` say it", of_file)
         setups = records if isinstance(records, Mapping) else {"record": {"values": records}}
         handle = _pinode.ModesHandle.from_setups(
-            [_setup(str(name), setup, one) for name, setup in setups.items()],
+            [_setup(str(name), setup, {**one, **of_arrays}) for name, setup in setups.items()],
             options,
             title=str(title),
         )
@@ -232,6 +289,12 @@ def identify_modes(
     if output:
         found.save(output, overwrite=overwrite)
     return found
+
+
+def _in_python(remark: str) -> str:
+    """A remark with a keyword in place of a key of a file."""
+    return remark.replace("Set harmonics = true in [modes] to have it in modes.toml.",
+                          "Set harmonics=True to have it in for_case() and modes.toml.")
 
 
 def _refuse_given(why: str, values: Mapping[str, Any]) -> None:
@@ -310,6 +373,11 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
         raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
     values = _columns(setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
+    if values.ndim == 2 and values.shape[0] < count:
+        raise Error(
+            f"set-up '{name}': the values are {values.shape[0]} x {count}, expected samples x "
+            "channels; if each row is a channel, pass the transpose, values.T"
+        )
     places = setup.get("names", one["names"])
     if places is None and is_frame(setup["values"]):
         places = [str(name) for name in setup["values"].columns]
@@ -321,6 +389,10 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
         raise Error(f"set-up '{name}': 'step' is missing, expected step=seconds or fs=samples a "
                     "second")
     loads = setup.get("loads", one["loads"])
+    if values.ndim == 2 and (one["detrend"], one["filter_hz"]) != (None, None):
+        seconds = 1.0 / (rate_from(f"set-up '{name}'", step) or 1.0)
+        values = conditioned(f"set-up '{name}'", values, seconds, one["detrend"],
+                             one["filter_hz"])
     return (
         name,
         places,

@@ -62,7 +62,8 @@ def test_of_wind(rows):
     assert modes.places == ["u1", "u2", "u3"] and modes.shapes.shape == (3, 3)
     for band in modes.diagram:
         assert len(band["order"]) == len(band["frequency_hz"]) == len(band["mode"])
-    assert set(modes.figures()) == {"stabilisation_record", "spectra_record", "shapes"}
+    assert set(modes.figures()) == {"stabilisation_record", "spectra_record", "fdd_record",
+                                    "shapes", "mac"}
     frame = modes.to_pandas()
     assert list(frame["frequency_hz"]) == list(modes.frequencies_hz)
     assert np.allclose(frame["u2"], modes.shapes[1].real)
@@ -277,3 +278,88 @@ def test_what_is_wrong_is_said(rows):
         pinode.identify_modes(rows, step=STEP, free_decay="yes")
     with pytest.raises(pinode.Error, match="nowhere.toml"):
         pinode.identify_modes("nowhere.toml")
+
+
+def test_a_transposed_array_is_named(rows):
+    with pytest.raises(pinode.Error, match="3 x 20000, expected samples x channels; if each row "
+                       "is a channel, pass the transpose"):
+        pinode.identify_modes(rows.T, fs=50.0)
+
+
+def test_the_rate_is_a_step_or_a_frequency(rows):
+    found = [pinode.identify_modes(rows[:6000], **keys, max_order=12).frequencies_hz for keys in (
+        {"step": STEP}, {"fs": 50}, {"sampling_rate_hz": 50.0})]
+    of_setup = pinode.identify_modes({"one": {"values": rows[:6000], "fs": 50.0}}, max_order=12)
+    for other in (*found, of_setup.frequencies_hz):
+        assert np.allclose(other, found[0], rtol=1e-9)
+    with pytest.raises(pinode.Error, match="'step' beside 'fs', expected one of them"):
+        pinode.identify_modes(rows, step=STEP, fs=50.0)
+
+
+def test_harmonics_are_kept_or_left_out(rows):
+    time = STEP * np.arange(len(rows))
+    machine = 0.5 * rows.std() * np.sin(2 * np.pi * 8.0 * time)
+    shaken = rows + machine[:, None]
+    without = pinode.identify_modes(shaken, step=STEP)
+    (harmonic,) = [m for m in without if m["is_harmonic"]]
+    assert harmonic["frequency_hz"] == pytest.approx(8.0, abs=0.01)
+    assert any("Set harmonics=True" in remark for remark in without.remarks)
+    assert not any("[modes]" in remark for remark in without.remarks)
+    kept = pinode.identify_modes(shaken, step=STEP, harmonics=True)
+    counts = [len(found.for_case()) for found in (without, kept)]
+    assert counts == [len(without) - 1, len(kept)] and len(kept) == len(without)
+
+
+def test_drift_and_noise_are_taken_away_on_request(rows):
+    time = STEP * np.arange(len(rows))
+    drift = 40.0 * rows.std() * (1.0 + time / time[-1])
+    low, _, high = truth()
+    found = pinode.identify_modes(rows + drift[:, None], step=STEP, detrend=True)
+    assert_found(found)
+    found = pinode.identify_modes(rows + drift[:, None], step=STEP, detrend="linear",
+                                  filter_hz=(0.5 * low, 1.2 * high))
+    assert_found(found)
+    # A line is taken away to the last digits, a constant as the mean.
+    from pinode._conditioned import conditioned
+    line = np.column_stack([3.0 + 2.0 * time, -time])
+    assert np.abs(conditioned("r", line, STEP, "linear", None)).max() < 1e-9 * time[-1]
+    assert np.abs(conditioned("r", line, STEP, "constant", None).mean(axis=0)).max() < 1e-9
+    # A sine in the band stays as it is, one outside goes.
+    sines = np.sin(2 * np.pi * np.outer(time, [3.0, 20.0]))
+    rest = conditioned("r", sines, STEP, None, (1.0, 6.0))[500:-500]
+    assert np.abs(rest[:, 0] - sines[500:-500, 0]).max() < 0.02
+    assert np.abs(rest[:, 1]).max() < 1e-3
+
+
+@pytest.mark.parametrize("keys, message", [
+    ({"detrend": "cubic"}, "detrend is the text 'cubic', expected True"),
+    ({"filter_hz": 3.0}, "filter_hz is a value of type float, expected a list"),
+    ({"filter_hz": (3.0,)}, "filter_hz is not a pair"),
+    ({"filter_hz": (5.0, 3.0)}, "expected 0 < lowest < highest"),
+    ({"filter_hz": (1.0, 30.0)}, "30 Hz, expected less than half the sampling rate, 25 Hz"),
+    ({"harmonics": "yes"}, "harmonics is a value of type str, expected True or False"),
+])
+def test_what_is_wrong_with_requests_is_said(rows, keys, message):
+    with pytest.raises(pinode.Error, match=message):
+        pinode.identify_modes(rows, step=STEP, **keys)
+    with pytest.raises(pinode.Error, match="expected no detrend"):
+        pinode.identify_modes(CASE, detrend=True)
+
+
+def test_mac_and_decomposition(rows):
+    modes = pinode.identify_modes(rows, step=STEP)
+    values = modes.mac()
+    assert values.shape == (3, 3) and np.allclose(np.diag(values), 1.0)
+    assert np.allclose(values, values.T) and values[0, 1] < 0.2
+    a, b = modes.shapes[:, 0], modes.shapes[:, 1]
+    assert values[0, 1] == pytest.approx(
+        abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a) * np.vdot(b, b)).real)
+    assert np.allclose(modes.mac(modes), values)
+    for what in ("stabilisation", "spectra", "fdd", "shapes", "mac"):
+        assert modes.plot(what).axes
+    with pytest.raises(pinode.Error, match="what is the text 'waterfall', expected one of"):
+        modes.plot("waterfall")
+    with pytest.raises(pinode.Error, match="there is no record 'r'"):
+        modes.plot("fdd", "r")
+    with pytest.raises(pinode.Error, match="other is the number 3, expected identified modes"):
+        modes.mac(3)
