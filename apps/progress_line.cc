@@ -29,7 +29,7 @@ void ProgressLine::Show(const std::string& prefix,
                 progress.elapsed_seconds);
   std::string line = prefix + text;
   if (progress.expected_seconds > 0.0) {
-    std::snprintf(text, sizeof(text), " of at most %.0f s",
+    std::snprintf(text, sizeof(text), ", %.0f s if every iteration is needed",
                   std::ceil(progress.expected_seconds));
     line += text;
   }

@@ -9,6 +9,11 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 
+# "stage 1 of 5, 29 iterations in 00:05, free-run error 3.2 %, cost 812". How long it
+# will take is not known: a stage ends where it has converged.
+_FORMAT = "{desc}, {n_fmt} iterations in {elapsed}{postfix}"
+
+
 def _in_notebook() -> bool:
     shell = sys.modules.get("IPython")
     shell = shell.get_ipython() if shell is not None else None
@@ -31,7 +36,7 @@ def watched(
                 warnings.filterwarnings("ignore", message="IProgress not found")
                 from tqdm.auto import tqdm
 
-            bar = tqdm(desc="identify", unit=" iterations", leave=False)
+            bar = tqdm(desc="identify", leave=False, bar_format=_FORMAT)
         except ImportError:
             bar = None
     if bar is None:
@@ -42,13 +47,13 @@ def watched(
 
     def call(state: Mapping[str, Any]) -> Any:
         nonlocal last
-        bar.set_description(
-            (state["fit"] + " " if state["fit"] else "")
-            + f"stage {state['stage']}/{state['num_stages']}",
+        bar.set_description_str(
+            (state["fit"] + ", " if state["fit"] else "")
+            + f"stage {state['stage']} of {state['num_stages']}",
             refresh=False,
         )
         bar.set_postfix_str(
-            f"cost {state['cost']:.6g}, free-run error {state['free_run_error']:.3g}",
+            f"free-run error {100.0 * state['free_run_error']:.3g} %, cost {state['cost']:.4g}",
             refresh=False,
         )
         # Each of several fits counts from zero.

@@ -1,5 +1,6 @@
 """The bar: when there is one, what it says, and that it ends."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -50,6 +51,9 @@ def test_silent_unless_asked_where_there_is_no_terminal(healthy, capfd):
     healthy.identify(progress=True)
     written = capfd.readouterr()
     assert "identify" in written.err and "iterations" in written.err and written.out == ""
+    shown = [line.strip() for line in written.err.split("\r") if "stage" in line]
+    assert all(re.fullmatch(r"stage 1 of 1, \d+ iterations? in \d\d:\d\d, free-run error \S+ %, "
+                            r"cost \S+", line) for line in shown), shown
     # It leaves nothing behind.
     assert written.err.split("\r")[-1].strip() == ""
 
@@ -135,8 +139,8 @@ def test_counts_the_iterations_beside_a_callback(healthy, bars):
     assert bar.closed and len(bar.counts) == len(seen)
     assert bar.counts[-1] == max(state["iteration"] for state in seen)
     assert bar.counts == sorted(bar.counts)
-    assert bar.words[-1].startswith("stage 1/1")
-    assert f"cost {seen[-1]['cost']:.6g}" in bar.words[-1]
+    assert bar.words[-1].startswith("stage 1 of 1")
+    assert f"cost {seen[-1]['cost']:.4g}" in bar.words[-1]
     assert "free-run error" in bar.words[-1]
 
 
@@ -155,7 +159,7 @@ def test_of_verdicts_and_equations(damaged, baseline, bars):
         options={"max_iterations": 60}).identify(progress=True)
     fit.discover(progress=True)
     assert len(bars) == 3 and all(bar.closed and bar.counts for bar in bars)
-    assert bars[2].words[0].startswith("refit stage")
+    assert bars[2].words[0].startswith("refit, stage")
 
 
 def test_ends_with_the_fit_however_that_ends(healthy, damaged, bars):
