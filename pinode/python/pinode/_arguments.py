@@ -89,7 +89,8 @@ def either(*kinds: Kind) -> Kind:
 
 def one_of(*words: str) -> Kind:
     """One of these texts."""
-    return Kind("one of " + ", ".join(f"'{word}'" for word in words), words.__contains__)
+    return Kind("one of " + ", ".join(f"'{word}'" for word in words),
+                lambda v: isinstance(v, str) and v in words)
 
 
 def words_of(value: Any) -> str:

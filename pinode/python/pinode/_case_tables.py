@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from ._arguments import words_of
 from ._columns import curves
 from ._pinode import Error
 
@@ -24,13 +25,22 @@ KEYS = {
 }
 
 
-# Those of which there may be several.
-_LISTS = tuple(key for key in KEYS if key != "model")
+# Those of which there may be several, and what makes one.
+_LISTS = {
+    "groups": "pinode.Group",
+    "elements": "pinode.Element",
+    "libraries": "pinode.Library",
+    "networks": "pinode.Network",
+    "unknown_forces": "pinode.UnknownForce",
+    "records": "pinode.Record",
+    "modes": "pinode.Mode",
+    "reference_curves": "dictionary",
+}
 
 
 def check_parts(parts: Mapping[str, Any]) -> None:
     """What a reader of files would call by other names."""
-    for key in _LISTS:
+    for key, maker in _LISTS.items():
         part = parts.get(key)
         if isinstance(part, Mapping):
             raise Error(
@@ -40,6 +50,11 @@ def check_parts(parts: Mapping[str, Any]) -> None:
             raise Error(
                 f"{key} is an empty list, expected one entry at least, or no {key} at all"
             )
+        if part is not None and not isinstance(part, (list, tuple)):
+            raise Error(f"{key} is {words_of(part)}, expected a list: {key}=[...]")
+        for place, entry in enumerate(part or ()):
+            if not isinstance(entry, Mapping):
+                raise Error(f"{key}[{place}] is {words_of(entry)}, expected a {maker}")
 
 
 def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:

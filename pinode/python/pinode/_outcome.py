@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _html, _pinode
+from ._arguments import FLAG, takes, words_of
 from ._part import as_path
 from ._pinode import Error
 from ._predicted import RecordResult, predicted
@@ -245,6 +246,8 @@ class Outcome:
         """
         if isinstance(record, Mapping):
             return predicted(self, record)
+        if record is not None and not isinstance(record, str):
+            raise Error(f"record is {words_of(record)}, expected a name or a pinode.Record")
         return self.record(record)
 
     def plot(self, record: str | None = None) -> "Figure":
@@ -253,6 +256,8 @@ class Outcome:
         `figures` has all that the report draws."""
         from . import figures
 
+        if record is not None and not isinstance(record, str):
+            raise Error(f"record is {words_of(record)}, expected a name")
         if record is None:
             names = sorted(self.records, key=lambda n: self.records[n]["role"] != "holdout")
             record = names[0] if names else None
@@ -273,6 +278,7 @@ class Outcome:
         section = self._handle.structure()
         return StructureView(section) if section else None
 
+    @takes(overwrite=FLAG, mat=FLAG)
     def save(
         self,
         folder: str | os.PathLike[str],

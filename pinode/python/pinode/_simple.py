@@ -25,7 +25,7 @@ from ._arguments import (
     takes,
 )
 from ._arrays import as_array, is_frame
-from ._part import ArrayLike
+from ._part import ArrayLike, as_sequence
 from ._pinode import Error
 from .case import Case, Progress
 from .measurements import INTERPOLATIONS, QUANTITIES, Record, channels
@@ -107,6 +107,10 @@ def identify(
     names = list(model["dofs"])
     if at is None:
         at = _places(response, columns.shape[1], names)
+    at = as_sequence("at", at)
+    if len(at) != columns.shape[1]:
+        raise Error(f"identify: at has {len(at)} names and response {columns.shape[1]} channels, "
+                    "expected one for each")
     found = _groups(groups, Case(model, units=units).stiffness, names)
     if is_ratio and float(ratio) > 0.0:
         found.append(Group("damping", Case(model, units=units).damping, adds_to="damping"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import ANY, MAPPING, takes, unknown_keyword
+from ._arguments import ANY, FLAG, MAPPING, NUMBER, TEXT, WHOLE, takes, unknown_keyword
 from ._case_tables import KEYS, check_parts, purpose_of, tables_of
 from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher
 from ._pinode import Error
@@ -233,6 +233,7 @@ class Case:
     # What can be done with it.
 
     @speaks_python
+    @takes()
     def check(
         self,
         *,
@@ -255,6 +256,7 @@ class Case:
         return Check(self._handle.check(output, overwrite, mat))
 
     @speaks_python
+    @takes(noise=TEXT, seed=WHOLE)
     def simulate(
         self,
         *,
@@ -279,6 +281,7 @@ class Case:
         return Simulation(_pinode.simulate(self._handle, **wanted), self, wanted)
 
     @speaks_python
+    @takes(num_sensors=WHOLE, force_at=TEXT, overwrite=FLAG)
     def plan_sensors(
         self,
         num_sensors: int,
@@ -319,6 +322,7 @@ class Case:
         )
 
     @speaks_python
+    @takes(profiles=FLAG, threads=WHOLE, overwrite=FLAG, resume=FLAG)
     def identify(
         self,
         *,
@@ -367,6 +371,8 @@ class Case:
             )
 
     @speaks_python
+    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=WHOLE, overwrite=FLAG,
+           resume=FLAG)
     def damage(
         self,
         baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",
@@ -410,6 +416,7 @@ class Case:
             )
 
     @speaks_python
+    @takes(threads=WHOLE, overwrite=FLAG, resume=FLAG)
     def discover(
         self,
         *,
@@ -495,6 +502,7 @@ def _restore(tree: dict[str, Any], path: str, purpose: str) -> Case:
     return Case._of(_pinode.CaseHandle.from_tree(tree, path, purpose))
 
 
+@takes()
 def read_case(
     path: str | os.PathLike[str], *, simulation: bool = False, planning: bool = False
 ) -> Case:

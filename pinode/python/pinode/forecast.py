@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
+from ._arguments import FLAG, takes
 from ._part import as_path
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class Simulation(Mapping):
         self._case = case
         self._noise = noise
 
+    @takes(overwrite=FLAG, mat=FLAG)
     def save(
         self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
     ) -> None:

@@ -132,8 +132,8 @@ def channels(
     dofs = as_sequence("dofs", dofs)
     if len(dofs) != array.shape[1]:
         raise Error(
-            f"channels '{prefix}': {array.shape[1]} columns and {len(dofs)} "
-            "DOFs, expected one for each"
+            f"channels '{prefix}': values has {array.shape[1]} columns and dofs "
+            f"{len(dofs)} names, expected one for each"
         )
     return [
         Channel(f"{prefix}{i + 1}", array[:, i], quantity, dof=dof, **keys)
@@ -239,7 +239,8 @@ class Record(Part):
                 for at, values in given.items()
                 for value in _tables(values)
             ]
-        tables = [_channel_table(name, columns, channel) for channel in as_sequence("channels", channels)]
+        tables = [_channel_table(name, columns, place, channel)
+                  for place, channel in enumerate(as_sequence("channels", channels))]
         _check_lengths(name, columns.file())
         super().__init__(
             name=name,
@@ -334,12 +335,12 @@ def _argument(column: str) -> str:
 
 
 def _channel_table(
-    record: str, columns: Columns, channel: Mapping[str, Any]
+    record: str, columns: Columns, place: int, channel: Mapping[str, Any]
 ) -> dict[str, Any]:
     if not isinstance(channel, Mapping):
         raise Error(
-            f"record '{record}': a channel is a value of type "
-            f"{type(channel).__name__}, expected a pinode.Channel"
+            f"record '{record}': channels[{place}] is {words_of(channel)}, expected a "
+            "pinode.Channel"
         )
     return columns.signal(channel, str(channel.get("name", "")), {})
 

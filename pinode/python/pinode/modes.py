@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import words_of
+from ._arguments import ANY, FLAG, LIST, POSITIVE, TEXT, WHOLE, takes, words_of
 from ._arrays import as_array, is_frame
 from ._conditioned import check_band, check_trend, conditioned
 from ._part import as_flag, as_folder, as_path, as_sequence
@@ -111,6 +111,7 @@ class IdentifiedModes(Sequence):
     def _structure_html(self) -> str:
         return self._handle.structure_html
 
+    @takes(overwrite=FLAG, mat=FLAG)
     def save(
         self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
     ) -> None:
@@ -184,6 +185,9 @@ class IdentifiedModes(Sequence):
         return _html.section(f"{len(self)} modes", _html.table(header, rows))
 
 
+@takes(records=ANY, free_decay=FLAG, method=TEXT, time=TEXT, title=TEXT, lowest_hz=POSITIVE,
+       highest_hz=POSITIVE, block_rows=WHOLE, max_order=WHOLE, max_damping_ratio=POSITIVE,
+       references=LIST, pick=LIST, threads=WHOLE, overwrite=FLAG)
 def identify_modes(
     records: Any,
     *,

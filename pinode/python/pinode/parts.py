@@ -146,6 +146,9 @@ class Model(Part):
         size = None if isinstance(mass, (str, os.PathLike, Mapping)) else _size_of(mass)
         _check_square("Model", "stiffness", stiffness, size)
         _check_square("Model", "damping", damping, size)
+        if size is not None and len(as_names("dofs", dofs)) != size:
+            raise Error(f"Model: dofs has {len(dofs)} names and mass is {size} x {size}, expected "
+                        "one for each row")
         super().__init__(
             dofs=as_names("dofs", dofs),
             mass=as_matrix(mass),
@@ -214,6 +217,9 @@ class FiniteElementModel(Part):
         damping: Mapping[str, Any] | str | None = None,
         **keys: Any,
     ) -> None:
+        for name, matrix in (("mass", mass), ("stiffness", stiffness),
+                             ("exported_damping", exported_damping)):
+            _check_square("FiniteElementModel", name, matrix)
         super().__init__(
             finite_element=Part(
                 mass=as_matrix(mass),

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _html, _pinode
+from ._arguments import FLAG, NUMBER, WHOLE, takes
 from ._outcome import Outcome, Parameter
 from ._part import as_folder, as_mapping, as_path, as_sequence, as_watcher
 from ._pinode import Error
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 class Fit(Outcome):
     """An identified model."""
 
+    @takes(threads=WHOLE, overwrite=FLAG, resume=FLAG)
     def discover(
         self,
         *,
@@ -57,6 +59,7 @@ class Fit(Outcome):
                 )
             )
 
+    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=WHOLE)
     def damage(
         self,
         baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",
