@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The board of verdicts: random structures with hidden faults, the cases of this
 # project and of the measured data, one line each and a table of what was wrong,
-# named and covered, and measured frames in which nothing or much has changed.
+# named and covered, pairs of states of random structures of which one may have
+# lost stiffness, and measured frames in which nothing or much has changed.
 #
 #   tests/benchmarks/verdicts.sh [COUNT]
 #
@@ -50,6 +51,11 @@ except OSError:
     print(f"  {name:45s} refused     {seconds:>4s} s")
 END
 done
+
+echo
+echo "Damage of random structures"
+"$python" tests/benchmarks/verdicts/damage_board.py "$build/apps" "${1:-400}" \
+  --jobs="${PINODE_JOBS:-$(nproc)}"
 
 echo
 echo "Measured frames"
