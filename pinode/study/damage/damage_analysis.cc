@@ -337,11 +337,16 @@ class Analyst {
       within[j] = moved >= then.lower95 - now.upper95 &&
                   moved <= then.upper95 - now.lower95;
     }
-    // The healthy fit has no value of what is in no group, and held it to be as
-    // in the model.
+    // The healthy fit has no value of masses and of what is in no group, and
+    // held them to be as in the model.
     for (size_t j = groups_.size(); j < within.size(); ++j) {
-      within[j] = result_.subjects[j].kind == ChangeKind::kStiffness &&
-                  MissesMotion(verdict_);
+      const ChangeKind kind = result_.subjects[j].kind;
+      if (kind != ChangeKind::kStiffness && kind != ChangeKind::kMass) continue;
+      const ExplainedValue now =
+          OffsetsOf(doubts_.reach, result_.subjects[j].name);
+      const double moved = result_.estimate.groups[j].change;
+      within[j] = (kind == ChangeKind::kStiffness && MissesMotion(verdict_)) ||
+                  (moved >= -now.upper95 && moved <= -now.lower95);
     }
     return within;
   }
