@@ -111,7 +111,7 @@ def words_of(value: Any) -> str:
 
 
 def hint(word: str, known: Any) -> str:
-    """What may have been meant, or what there is."""
+    """A sentence with the word that may have been meant, or with all that are known."""
     known = [str(name) for name in known]
     near = difflib.get_close_matches(word, known, 1, 0.6)
     begins = [name for name in known if len(word) > 2 and name.startswith(word)]
@@ -119,7 +119,7 @@ def hint(word: str, known: Any) -> str:
     return f"did you mean '{near[0]}'?" if near else "there are " + ", ".join(known)
 
 
-# What others call an argument, and its name here.
+# Names of arguments in other packages, and here.
 _OTHERS = {
     "dt": "step", "delta": "step", "sample_rate": "fs", "sampling_rate": "fs",
     "sampling_frequency": "fs", "freq": "fs", "data": "values", "type": "quantity",
@@ -134,7 +134,7 @@ _OTHERS = {
 
 
 def unknown_keyword(title: str, key: str, known: Any) -> KeywordError:
-    """What is raised where a keyword is not one of `known`."""
+    """The exception for a keyword that is not one of `known`."""
     other = _OTHERS.get(key)
     said = f"did you mean '{other}'?" if other in known else hint(key, known)
     return KeywordError(f"{title}() has no keyword '{key}'; {said}")

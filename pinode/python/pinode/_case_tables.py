@@ -25,7 +25,7 @@ KEYS = {
 }
 
 
-# Those of which there may be several, and what makes one.
+# Keywords that take a list, and what makes an entry.
 _LISTS = {
     "groups": "pinode.Group",
     "elements": "pinode.Element",

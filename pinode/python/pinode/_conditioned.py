@@ -11,7 +11,7 @@ from ._arguments import words_of
 from ._part import as_number, as_sequence
 from ._pinode import Error
 
-# Of the filter in one direction. It runs in both, so that no phase is shifted.
+# Order of the filter in one direction. It runs in both, so that no phase is shifted.
 _ORDER = 4
 _KINDS = ("constant", "linear")
 

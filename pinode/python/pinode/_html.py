@@ -23,7 +23,7 @@ _STYLE = (
     ".pinode .not_usable,.pinode .damage{background:rgba(213,94,0,0.4)}"
     "</style>"
 )
-# What programs and documents say for the grades.
+# Words of programs and documents for the grades.
 _WORDS = {"with_care": "usable with care", "not_usable": "not usable"}
 
 

@@ -1,4 +1,4 @@
-"""What all results of a fit have in common."""
+"""The common part of all results of a fit."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Parameter(NamedTuple):
 
 
 class Outcome:
-    """What fits, verdicts and equations have in common: a fit."""
+    """The common part of fits, verdicts and equations: a fit."""
 
     def __init__(self, handle: Any) -> None:
         self._handle = handle
@@ -237,7 +237,7 @@ class Outcome:
         return "\n".join([self.sentence, "", *lines])
 
     def predict(self, record: "str | Record | None" = None) -> RecordResult:
-        """What the model as it was found does: in a record of the case, the first
+        """The motion of the model as it was found: in a record of the case, the first
         unless it is named, or in another Record, whose channels need no values.
 
         A record of the case is predicted from the start that was found. Another one

@@ -85,8 +85,8 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
 
 
 def of_modes(found: Any) -> "dict[str, Figure]":
-    """Of identified modes: stabilisation diagrams, spectra, singular values, shapes and
-    MAC, by name."""
+    """Figures of identified modes by name: stabilisation diagrams, spectra, singular
+    values, shapes and MAC."""
     drawn = {}
     for record in found.methods:
         drawn[f"stabilisation_{record}"] = stabilisation(found, record)

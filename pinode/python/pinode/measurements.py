@@ -154,7 +154,8 @@ def _check_quantity(name: str, quantity: str) -> None:
 
 
 def _dimensions(values: Any) -> int:
-    """Of an array; rows of different lengths, which are none, are refused later."""
+    """Number of dimensions of an array; 0 for rows of different lengths, which are
+    refused later."""
     try:
         return np.ndim(values)
     except ValueError:
@@ -311,7 +312,7 @@ def _tables(values: Any) -> list[Any]:
 
 
 def _check_lengths(record: str, table: Any) -> None:
-    """Of the arrays of a record, which have one number a sample each."""
+    """Raises an Error if the arrays of a record have different lengths."""
     if not isinstance(table, Mapping):
         return
     first: tuple[str, int] | None = None
@@ -328,7 +329,7 @@ def _check_lengths(record: str, table: Any) -> None:
 
 
 def _argument(column: str) -> str:
-    """What the array of a column was passed as."""
+    """The argument as which the array of a column was passed."""
     key, _, place = column.partition("_")
     is_input = key in ("ground", "force", "motion", "covariate") and place
     return f"{key}[{place!r}]" if is_input else f"'{column}'"

@@ -143,8 +143,8 @@ class IdentifiedModes(Sequence):
         return drawn
 
     def figures(self) -> "dict[str, Any]":
-        """Of matplotlib, by name: the stabilisation diagram of each record, spectra,
-        singular values, shapes and MAC."""
+        """Figures of matplotlib by name: the stabilisation diagram of each record,
+        spectra, singular values, shapes and MAC."""
         from . import figures
 
         return figures.of_modes(self)

@@ -92,7 +92,7 @@ _DAMPING = Kind(
     "an array, n x n, {'ratios': [0.02]} for 2 % of critical in every mode, "
     "{'rayleigh': [a0, a1]} or 'none'",
     lambda v: MATRIX.fits(v))
-# Of a table in which a parameter is searched for.
+# Keys of a parameter that is searched for.
 _PARAMETER = {"initial": NUMBER, "lower": NUMBER, "upper": NUMBER, "prior_mean": NUMBER,
               "prior_sigma": POSITIVE, "free": FLAG}
 _MODEL = {"dofs": NAMES, "influence": MAPPING, "support_mass_coupling": MAPPING,
@@ -101,7 +101,7 @@ _ACTS_AS = one_of("acceleration", "force")
 
 
 def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -> None:
-    """Of an array in memory; files are read with the case."""
+    """Raises an Error if an array in memory is not square; files are read with the case."""
     if matrix is None or isinstance(matrix, (str, os.PathLike, Mapping)):
         return
     try:

@@ -77,8 +77,8 @@ class ResultFolder:
 
     @property
     def verdict(self) -> str:
-        """Of a damage analysis the verdict on the change, as Damage has it; of other
-        results the verdict on the fit."""
+        """Verdict on the change of a damage analysis, as Damage has it; verdict on the
+        fit of other results."""
         damage = self.damage
         return self.fit_verdict if damage is None else damage["verdict"]
 

@@ -22,7 +22,7 @@ GROUND, FLOORS = frame_testing.measure(samples=60)
 STEP = frame_testing.STEP
 MASS, STIFFNESS = frame_testing.MASS, frame_testing.STIFFNESS
 
-# What nothing takes.
+# Values that no argument takes.
 NOWHERE = [object(), 3 + 4j, b"bytes", {1, 2}, lambda: None, Ellipsis]
 WRONG = {
     "text": [*NOWHERE, 7, -2.5, True, ["a"], {"a": 1}, np.zeros(3)],
@@ -255,7 +255,7 @@ def test_of_keywords(name):
 
 
 def test_all_that_is_public_is_tried():
-    """Of what a user makes or calls; results are made by the package."""
+    """Everything that a user makes or calls; results are made by the package."""
     made = {"Check", "Damage", "Discovery", "Fit", "IdentifiedModes", "Parameter",
             "RecordResult", "ResultFolder", "SensorPlan", "Simulation", "StructureView",
             "Error", "KeywordError", "__version__"}

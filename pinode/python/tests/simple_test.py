@@ -72,7 +72,7 @@ def test_predicts_a_record_of_the_case(fit):
 
 
 def test_predicts_a_record_that_it_has_not_seen(fit):
-    """Of the structure with its loss, which the initial model does not have."""
+    """The structure has its loss, which the initial model does not have."""
     ground, floors = frame_testing.measure((0.1, 0.0, 0.0), seed=7)
     other = conftest.record("other", (0.1, 0.0, 0.0), seed=7)
     shown = fit.predict(other)
