@@ -186,7 +186,8 @@ class LvmParser {
         !(part->step > 0.0) || !std::isfinite(1.0 / part->step)) {
       return lines_.Fail(
           "the segment's header has no 'Samples' and positive 'Delta_X' for "
-          "each channel",
+          "each channel. Set `header_lines` in the record to read the file as "
+          "text",
           error);
     }
     const std::string dimension = CellOf(rows, "X_Dimension", column);
