@@ -63,7 +63,7 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
   EXPECT_EQ(several.sentence,
             "Damage: k1 (-3 %) lost stiffness, less than the threshold of 5 % "
             "but more than healthy records differ.");
-  // What is in no group is not compared between healthy records.
+  // Springs of no group are not compared between healthy records.
   std::vector<ChangeSubject> subjects = kSubjects;
   subjects[0].place = "u1-u2";
   ChangeEstimate estimate;

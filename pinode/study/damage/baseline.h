@@ -31,7 +31,7 @@ struct HealthyFit {
   bool IsFitted() const { return model.parameters.size() > 0; }
 };
 
-// What may stand in for the values of a result with care.
+// Alternatives to the values of a result with care.
 struct Doubts {
   // How far named parameters may be off: as far as the intervals of the
   // likeliest explanations reach and, where motion is unexplained, the result's

@@ -71,8 +71,8 @@ class ChangeExplanations {
   const Refit* Best() const;
   void TrySingles(bool thorough);
   void Extend();
-  // What is left of a refit's changes when those that are not needed are taken
-  // away one by one, by its linearisation.
+  // Returns the changes of a refit that are left when those that are not needed
+  // are taken away one by one, by its linearisation.
   std::vector<int> NeededOf(const Refit& refit) const;
   // p-value of the least needed change of a refit, for all entries together.
   double LeastNeeded(const Refit& refit, int* entry);

@@ -350,9 +350,9 @@ class Analyst {
     }
     return within;
   }
-  // By how much a group that has `moved` has moved if one explanation of what
-  // the model lacks holds for the healthy records and the new ones; nothing
-  // where there is none that explains both.
+  // Returns how far a group that has `moved` has moved if one explanation of
+  // what the model lacks holds for the healthy records and the new ones;
+  // nothing where there is none that explains both.
   std::optional<ExplainedValue> MovedUnderOne(const std::string& name,
                                               double moved) const {
     const std::optional<Explanation>& then = baselines_[0].doubts.whole;
@@ -571,7 +571,7 @@ class Analyst {
   DamageResult& result_;
 
   Candidates candidates_, found_;
-  // What the healthy records have too, and the model has not.
+  // Candidates that the healthy records have too, and the model has not.
   Candidates in_both_;
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, doubts and choice of the result in fit_of_new_.

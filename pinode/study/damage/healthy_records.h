@@ -20,7 +20,7 @@
 namespace pinode {
 
 // Iterations after which a fit with other kinds of change in it is given up.
-// Those that converge take 2 to 40; one with hardening springs in a measured
+// Fits that converge take 2 to 40; one with hardening springs in a measured
 // frame that has none crept along the edge of divergence for 1,080 and 7 min.
 inline constexpr int kMostIterationsWithKinds = 100;
 

@@ -248,7 +248,7 @@ class StrongMotionParser {
   const ChannelFilter& wanted_;
   LoggedFile file_;
   std::vector<StartTime> starts_;
-  // Of the headers so far.
+  // From the headers so far.
   int64_t channel_ = 1;
   StartTime start_;
   Vector real_header_;
