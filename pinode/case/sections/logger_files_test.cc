@@ -70,6 +70,49 @@ TEST(LoggerFilesTest, GermanRecordIsReadAsThePlainOne) {
                              HasSubstr("0 s is 2024-03-01 12:00:00"))));
 }
 
+// SmallRecord as LabVIEW writes it.
+std::string LabviewRecord() {
+  std::string text =
+      "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\n"
+      "X_Columns\tOne\nDate\t2024/03/01\nTime\t12:00:00.0\n"
+      "***End_of_Header***\t\n\t\nChannels\t3\nSamples\t200\t200\t200\n"
+      "Y_Unit_Label\tgal\tg\tmm\nX0\t0\t0\t0\n"
+      "Delta_X\t0.01\t0.01\t0.01\n***End_of_Header***\t\n"
+      "X_Value\tag\ta1\td2\tComment\n";
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.01 * i;
+    text += FormatNumber(t, 6) + "\t" +
+            FormatNumber(80.0 * std::sin(9.0 * t), 9) + "\t" +
+            FormatNumber(0.1 * std::sin(8.0 * t), 9) + "\t" +
+            FormatNumber(4.0 * std::sin(8.0 * t) + 1.0, 9) + "\n";
+  }
+  return text;
+}
+
+TEST(LoggerFilesTest, FileThatStatesItsUnitsAndClock) {
+  TemporaryFolder folder;
+  folder.Write("quake.lvm", LabviewRecord());
+  const std::string text =
+      Replaced(Replaced(GermanCase(), "time = \"Zeit\"", "time = \"t\""),
+               "quake.csv", "quake.lvm");
+  const Case c = ReadOrFail(folder.Write("case.toml", text));
+  const IdentificationRecord& record = c.problem.records[0];
+  ASSERT_EQ(record.num_samples(), 200);
+  EXPECT_NEAR(record.sampling_step(), 0.01, 1e-12);
+  for (int i = 0; i < 200; i += 7) {
+    const double t = 0.01 * i;
+    EXPECT_NEAR(record.excitation->samples()(0, i), 0.8 * std::sin(9.0 * t),
+                1e-8);
+    EXPECT_NEAR(record.channels[0].values[i], 0.980665 * std::sin(8.0 * t),
+                1e-8);
+    EXPECT_NEAR(record.channels[1].values[i],
+                0.001 * (4.0 * std::sin(8.0 * t) + 1.0), 1e-10);
+  }
+  EXPECT_THAT(record.description.remarks,
+              Contains(HasSubstr(
+                  "read quake.lvm: LVM, 100 Hz from 2024-03-01 12:00:00")));
+}
+
 TEST(LoggerFilesTest, ContradictingUnitsAreNamed) {
   TemporaryFolder folder;
   folder.Write("quake.csv", GermanRecord());

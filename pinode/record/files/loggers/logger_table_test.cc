@@ -320,6 +320,20 @@ TEST(LoggerTableTest, LvmSegments) {
   EXPECT_THAT(LoggerErrorOf("lvm/jump.lvm"), HasSubstr("Split the file there"));
 }
 
+TEST(LoggerTableTest, LvmWithoutAStepSaysHowToReadIt) {
+  std::string text;
+  std::string error;
+  ASSERT_TRUE(ReadBinaryFile(LoggerSample("lvm/one.lvm"), &text, &error));
+  const size_t step = text.find("Delta_X");
+  ASSERT_NE(step, std::string::npos);
+  text[step] = 'd';
+  LoggedFile file;
+  EXPECT_FALSE(ParseLoggedFile(
+      text, "x.lvm", LoggerFormat::kLvm,
+      [](const LoggerChannel&) { return true; }, &file, &error));
+  EXPECT_THAT(error, HasSubstr("Set `header_lines`"));
+}
+
 TEST(LoggerTableTest, LvmThatTheCaseLaysOutIsText) {
   TextFormat format;
   format.header_lines = 23;

@@ -1,0 +1,68 @@
+#include "pinode/case/draft/log_file.h"
+
+#include <cmath>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/support/temporary_folder_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Files of tests/generators/logger_files.py and array_files.py.
+std::string LogSample(const std::string& name) {
+  return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name;
+}
+
+TEST(LogFileTest, FileOfALoggerStatesRateAndUnits) {
+  LogOptions options;
+  options.ignored = {"late", "undated", "T"};
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  ASSERT_TRUE(ReadLogFile(LogSample("tdms/rates.tdms"), options, &log,
+                          &question, &error))
+      << error << question.text;
+  EXPECT_EQ(log.time_column, "t");
+  EXPECT_FALSE(log.is_time_unit_assumed);
+  EXPECT_THAT(log.ColumnNames(), ElementsAre("a", "b"));
+  EXPECT_EQ(log.columns[0].unit, "m/s^2");
+  EXPECT_NEAR(log.step, 0.01, 1e-15);
+  EXPECT_EQ(log.num_samples(), 398);
+  EXPECT_THAT(log.reading, HasSubstr("'g/b' resampled from 200 to 100 Hz"));
+}
+
+TEST(LogFileTest, ClocksThatDoNotFitAreNamed) {
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(
+      ReadLogFile(LogSample("tdms/rates.tdms"), {}, &log, &question, &error));
+  EXPECT_THAT(error, HasSubstr("Leave one of them out"));
+}
+
+TEST(LogFileTest, ArraysAreReadToo) {
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(
+      ReadLogFile(LogSample("arrays/record.npz"), {}, &log, &question, &error));
+  EXPECT_THAT(error, HasSubstr("7 samples, expected 64 or more"));
+}
+
+TEST(LogFileTest, AsksForTheTimeOfArrays) {
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(
+      ReadLogFile(LogSample("arrays/y.npy"), {}, &log, &question, &error));
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(question.flag, "time");
+}
+
+}  // namespace
+}  // namespace pinode
