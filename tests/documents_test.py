@@ -10,7 +10,8 @@ python is run by the test python.package, matlab by programs.octave (only the
 page that it is given has any), toml and json are read here, and of cmake the
 targets are there. Of command lines, in indented blocks and between
 backquotes: programs, their flags, scripts and presets are there. Every program
-is in the tables of README.md and apps/README.md.
+is in the tables of README.md and apps/README.md. CITATION.cff has the project's
+version.
 
 Prints `file:line: what, and what was expected` for each that is not so and
 exits 1.
@@ -129,6 +130,7 @@ class Checker:
 
     def run(self):
         self.programs()
+        self.citation()
         for page in self.pages.values():
             self.checked["notebooks"] += page.path.suffix == ".ipynb"
             for line, language, text in page.blocks:
@@ -150,6 +152,13 @@ class Checker:
             for program in self.flags:
                 if not any(re.match(rf"\| `{program}[` ]", text) for _, text in page.text):
                     self.fail(page, 1, f"{program} is in no table")
+
+    def citation(self):
+        """CITATION.cff names the version that CMake builds."""
+        version = re.search(r"project\(pinode VERSION (\S+)", (self.root / "CMakeLists.txt").read_text())[1]
+        cited = re.search(r"^version: (\S+)", (self.root / "CITATION.cff").read_text(), re.M)[1]
+        if cited != version:
+            self.failures.append(f"CITATION.cff: version {cited}, expected {version}")
 
     def link(self, page, line, target):
         if re.match(r"https?://", target):

@@ -27,7 +27,7 @@ CONTENTS = [
              "pinode/matlab", "pinode/when_a_fit_does_not_work", "apps/README"]),
     ("Method", ["pinode/theory", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
-                   "third_party_notes/README", "CHANGELOG"]),
+                   "third_party_notes/README", "CONTRIBUTING", "CHANGELOG"]),
 ]
 LINK = re.compile(r"\]\(([^()\s#]+)((?:#[^()\s]*)?)\)")
 
