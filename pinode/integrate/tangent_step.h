@@ -20,7 +20,7 @@ namespace pinode {
 //   A  = I + sum_s G_s J_s           B  = sum_s G_s F_s
 //   S(t + dt) = A S(t) + [0 B]
 //
-// which is the derivative of the discrete step itself (pinode/theory.md). If S
+// which is the derivative of the discrete step itself (pinode/theory). If S
 // has few columns relative to its states, it is instead carried through the
 // stages,
 //

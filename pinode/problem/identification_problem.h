@@ -50,7 +50,7 @@ struct IdentificationRecord {
   // none). They have as many samples as the record.
   std::optional<Excitation> excitation;
   // Standard deviation of the noise of each input (empty: none). It enters the
-  // intervals, see InputNoise in pinode/theory.md.
+  // intervals, see InputNoise in pinode/theory/intervals.md.
   Vector input_sigma;
   Start start = Start::kFree;
   Vector known_start;  // num_states, for kKnown

@@ -212,8 +212,8 @@ struct MultistartTuning {
 };
 
 // All constants of the fit, one group for each part that uses them. They are
-// for studies; settings for users are options. theory.md, section 13, tells the
-// effect of halving and doubling each (tests/cases/tuning_study_test.cc).
+// for studies; settings for users are options. Section 13 of pinode/theory has
+// the effect of halving and doubling each (tests/cases/tuning_study_test.cc).
 struct Tuning {
   StageTuning stages;
   StartTuning starts;

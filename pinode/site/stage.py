@@ -25,7 +25,7 @@ TUTORIALS = pathlib.Path("pinode/python/tutorials")
 CONTENTS = [
     ("Use", ["pinode/case/README", "pinode/python/README", "tutorials", "pinode/coming_from",
              "pinode/matlab", "pinode/when_a_fit_does_not_work", "apps/README"]),
-    ("Method", ["pinode/theory", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
+    ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
                    "third_party_notes/README", "CONTRIBUTING", "CHANGELOG"]),
 ]
@@ -118,6 +118,10 @@ class Stage:
             if page == pathlib.Path("third_party_notes/README.md"):
                 notes = sorted(p.stem for p in path.parent.glob("*.md") if p.stem != "README")
                 text += toctree("Libraries", notes, hidden="")
+            if page == pathlib.Path("pinode/theory/README.md"):
+                # In the order of its table.
+                chapters = dict.fromkeys(re.findall(r"^\| \[.*\]\((\w+)\.md\)", text, re.M))
+                text += toctree("Chapters", chapters, hidden="")
             self.write(page, text)
 
     def has(self, page):
