@@ -459,18 +459,22 @@ TEST(ModalIdentify, IsPartOfTheCondensedSystem) {
             1e-6 * information.norm());
 }
 
+// Rounding alone decides there if the cost falls.
+TEST(ModalIdentify, AModelThatHasTheModesIsUsable) {
+  const auto dynamics = testing::MakeGroupedChain(2, 40.0, 0.1);
+  ModalFit fit;
+  fit.problem.dynamics = dynamics;
+  fit.problem.modal.modes = Measure(*dynamics, Vector::Zero(2), 2, {0, 1});
+  fit.Run();
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
+}
+
 TEST(ModalIdentify, SaysWhatIsWrong) {
   const auto dynamics = testing::MakeGroupedChain(2, 40.0, 0.1);
   ModalFit fit;
   fit.problem.dynamics = dynamics;
   fit.Run();
   EXPECT_THAT(fit.summary.message, HasSubstr("no mode was measured"));
-
-  // Nothing can be better than what is exact already.
-  fit.problem.modal.modes = Measure(*dynamics, Vector::Zero(2), 2, {0, 1});
-  fit.Run();
-  EXPECT_FALSE(fit.summary.usable());
-  EXPECT_THAT(fit.summary.message, HasSubstr("not met better"));
 
   // Equal frequencies that the unknown spring mixes.
   auto equal = std::make_shared<StructuralDynamics>(

@@ -394,8 +394,11 @@ def test_identified_modes():
             "measured": np.array([[1.0, 10.0], [1.0, 1.0]]),
             "modelled": np.array([[1.0, 100.0], [1.0, 1.0]])}}
 
+        def mac(self, other=None):
+            return np.ones((len(self), len(other or self)))
+
     drawn = figures.of_modes(Found([mode]))
-    assert set(drawn) == {"stabilisation_wind", "spectra_wind", "shapes"}
+    assert set(drawn) == {"stabilisation_wind", "spectra_wind", "fdd_wind", "shapes", "mac"}
     first, second = drawn["spectra_wind"].axes
     assert list(curve(first, "modes")[1]) == [0.0, 20.0]
     assert first.get_title(loc="left") == "a1, 90 % explained"

@@ -215,7 +215,7 @@ def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
             ({"step": STEP, "columns": 3}, "columns is a value of type int"),
             ({"step": -1.0}, "'step' is the number -1.0"),
             ({"step": STEP, "time": "a1"}, "expected one of them"),
-            ({"step": STEP, "time": 3}, "time is a value of type int"),
+            ({"step": STEP, "time": 3}, "time is the number 3, expected a text"),
             ({"step": STEP, "quantity": "force"}, "quantity 'force'"),
             ({"step": STEP, "quantity": ["velocity"] * 2}, "2 quantities for 3 columns"),
             ({"step": STEP, "names": ["x", "y", "z"]}, "expected no names"),
@@ -270,7 +270,7 @@ def test_what_is_wrong_is_said(rows):
         pinode.identify_modes(rows, step=STEP, method="magic")
     with pytest.raises(pinode.Error, match="no measured load"):
         pinode.identify_modes(rows, step=STEP, method="input_output")
-    with pytest.raises(pinode.Error, match="references is a value of type str"):
+    with pytest.raises(pinode.Error, match="references is the text 'a1', expected a list"):
         pinode.identify_modes(rows, step=STEP, references="a1")
     with pytest.raises(pinode.Error, match="loads"):
         pinode.identify_modes(rows, step=STEP, loads=[1.0, 2.0])
