@@ -32,7 +32,7 @@ MATLAB_PAGE = "pinode/matlab.md"
 FENCE = re.compile(r"^ *```(\S*)")
 LINK = re.compile(r"(?<!\\)\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)")
 # Words before a program's name may be variables or a launcher.
-PROGRAM = re.compile(r"\b(pinode_(?:check|simulate|update|discover|damage|modes))((?:[ =][^`;|]*)?)")
+PROGRAM = re.compile(r"\b(pinode_(?:new|check|simulate|update|discover|damage|modes))((?:[ =][^`;|]*)?)")
 FLAG = re.compile(r"(?<![\w-])--([a-z_]+)")
 
 
@@ -96,7 +96,7 @@ class Page:
 def own_flags(root):
     """{program: flags} of what apps/ defines."""
     def defined(path):
-        return set(re.findall(r"^DEFINE_\w+\((\w+)", path.read_text(), re.M))
+        return set(re.findall(r"^DEFINE_\w+\(\s*(\w+)", path.read_text(), re.M))
 
     flags = {}
     for path in (root / "apps").glob("pinode_*.cc"):

@@ -23,8 +23,9 @@ from nbconvert.preprocessors import ExecutePreprocessor
 TUTORIALS = pathlib.Path("pinode/python/tutorials")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
-    ("Use", ["pinode/case/README", "pinode/python/README", "tutorials", "pinode/coming_from",
-             "pinode/matlab", "pinode/when_a_fit_does_not_work", "apps/README"]),
+    ("Use", ["pinode/case/first_case/README", "pinode/case/README", "pinode/python/README",
+             "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
+             "apps/README"]),
     ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
                    "third_party_notes/README", "CONTRIBUTING", "CHANGELOG"]),
@@ -122,6 +123,9 @@ class Stage:
                 # In the order of its table.
                 chapters = dict.fromkeys(re.findall(r"^\| \[.*\]\((\w+)\.md\)", text, re.M))
                 text += toctree("Chapters", chapters, hidden="")
+            if page == pathlib.Path("pinode/case/first_case/README.md"):
+                pages = re.findall(r"^\| .*\]\((\w+)\.md\) \|$", text, re.M)
+                text += toctree("Pages", pages, hidden="")
             self.write(page, text)
 
     def has(self, page):
