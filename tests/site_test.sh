@@ -27,7 +27,8 @@ trap 'rm -rf -- "$scratch"' EXIT
 "$root/pinode/site/build.sh" "$build" --tutorials=unknown_force,model_updating \
   "$scratch"
 for page in index pinode/theory/README pinode/theory/ambient \
-  pinode/case/README pinode/case/first_case/logger pinode/coming_from data/README tests/benchmarks/README \
+  pinode/case/README pinode/case/recipes pinode/case/first_case/logger \
+  pinode/coming_from data/README tests/benchmarks/README \
   third_party_notes/eigen \
   pinode/python/tutorials/unknown_force api_python api/base api/estimate; do
   if ! grep -q '<h1>' "$scratch/$page.html"; then

@@ -23,8 +23,8 @@ from nbconvert.preprocessors import ExecutePreprocessor
 TUTORIALS = pathlib.Path("pinode/python/tutorials")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
-    ("Use", ["pinode/case/first_case/README", "pinode/case/README", "pinode/python/README",
-             "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
+    ("Use", ["pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
+             "pinode/python/README", "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
              "apps/README"]),
     ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
