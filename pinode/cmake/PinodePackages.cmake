@@ -147,7 +147,11 @@ This package has the programs, which read case files.")
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME case_files.md
     COMPONENT programs)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/matlab.md
+      ${PROJECT_SOURCE_DIR}/pinode/case/recipes.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode COMPONENT programs)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/pinode/case/first_case
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode COMPONENT programs
+    FILES_MATCHING PATTERN "*.md")
   set(sample three_storey.toml C_mass.csv C_stiffness.csv train.csv holdout.csv)
   list(TRANSFORM sample PREPEND ${PROJECT_SOURCE_DIR}/data/three_storey/)
   install(FILES ${sample}

@@ -99,6 +99,8 @@ pinode_check --version
 grep -q 'three.js authors' /usr/share/doc/libpinode0.*/copyright
 grep -q 'SERVICES; LOSS OF USE' /usr/share/doc/libpinode0.*/copyright
 test -s /usr/share/doc/pinode/case_files.md
+test -s /usr/share/doc/pinode/recipes.md
+test -s /usr/share/doc/pinode/first_case/README.md
 test -s /usr/share/doc/pinode/matlab.md
 pinode_check --case=/usr/share/doc/pinode/examples/three_storey/three_storey.toml
 pinode_check --case=three_storey/three_storey.toml >check.txt
