@@ -476,6 +476,7 @@ TEST(ModalIdentify, SaysWhatIsWrong) {
   fit.Run();
   EXPECT_THAT(fit.summary.message, HasSubstr("no mode was measured"));
 
+  fit.problem.modal.modes = Measure(*dynamics, Vector::Zero(2), 2, {0, 1});
   // Equal frequencies that the unknown spring mixes.
   auto equal = std::make_shared<StructuralDynamics>(
       MakeStructuralModel(Matrix::Identity(2, 2), Matrix::Zero(2, 2),
