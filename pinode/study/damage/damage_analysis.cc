@@ -9,6 +9,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/study/damage/baseline_of_modes.h"
 #include "pinode/study/damage/change_explanations.h"
 #include "pinode/study/damage/change_refit.h"
@@ -188,7 +189,9 @@ class Analyst {
       }
       found_ = std::move(asked_for);
       fit_of_new_ = std::move(fit);
-      if (healthy_records_.RefitWith(
+      // Candidates that leave motion unexplained are not what the model lacks.
+      if (MissedOf(fit_of_new_.summary, 0.0) < limits::kNotedUnexplained &&
+          healthy_records_.RefitWith(
               found_, ParametersByName(fit_of_new_.problem, fit_of_new_.model),
               &inner_)) {
         in_both_ = found_;
