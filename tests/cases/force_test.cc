@@ -60,6 +60,53 @@ TEST(ForceCases, ABlowIsFoundWithLocalSmoothness) {
   EXPECT_GT(smeared.nrmse, 3.0 * blow.nrmse);
 }
 
+// The swept sine with `model` in place of the case's, and the force at `dof`.
+CaseRun RunSweep(const StructuralModel& model, int dof) {
+  Case with = ForceCase("sweep");
+  const StructuralDynamics& given = *with.problem.dynamics;
+  StructuralDynamics dynamics(model, given.inputs());
+  std::string error;
+  for (const LawTerm& law : given.laws()) {
+    EXPECT_TRUE(dynamics.AddLaw(law, &error)) << error;
+  }
+  UnknownForceTerm force = given.unknown_forces()[0];
+  force.outputs = Vector::Unit(model.num_dofs(), dof);
+  EXPECT_TRUE(dynamics.AddUnknownForce(force, &error)) << error;
+  with.problem.dynamics = std::make_shared<StructuralDynamics>(dynamics);
+  return RunCase(std::move(with));
+}
+
+// A force takes over most of what a model lacks: a storey that is a tenth too
+// soft leaves 5 % of the motion, and a force that is off by a fifth.
+TEST(ForceCases, AWrongStoreyIsNamed) {
+  const Case given = ForceCase("sweep");
+  StructuralModel model = given.problem.dynamics->model();
+  const double soft = 0.12 * model.stiffness(0, 1);  // -k2
+  model.stiffness(0, 0) += soft;
+  model.stiffness(1, 1) += soft;
+  model.stiffness(0, 1) -= soft;
+  model.stiffness(1, 0) -= soft;
+  const CaseRun run = RunSweep(model, 1);
+  EXPECT_EQ(run.summary.verdict.grade(), Grade::kWithCare);
+  ASSERT_FALSE(run.summary.explanations.empty());
+  const Explanation& first = run.summary.explanations[0];
+  EXPECT_EQ(first.kind, "stiffness") << first.what;
+  EXPECT_NEAR(first.value, 1.0 / 0.88 - 1.0, 0.005) << first.what;
+  EXPECT_EQ(first.moved, "shaker");
+  // The bounds of the force hold the true one.
+  const ForceScore score = ScoreForce(run);
+  Expect("sweep, a storey off by 12 %: force, share within its band",
+         AtLeast(0.9), score.coverage);
+}
+
+TEST(ForceCases, AForceAtTheWrongStoreyIsNoForce) {
+  const CaseRun run = RunSweep(ForceCase("sweep").problem.dynamics->model(), 2);
+  EXPECT_EQ(run.summary.verdict.grade(), Grade::kNotUsable);
+  ASSERT_FALSE(run.summary.explanations.empty());
+  EXPECT_EQ(run.summary.explanations[0].kind, "force_place");
+  EXPECT_EQ(run.summary.explanations[0].place, "shaker,u2");
+}
+
 // The case says nothing of when the blow fell.
 TEST(ForceCases, ABlowIsFoundAsAPulse) {
   const CaseRun run = RunCase(ForceCase("impact_pulse"));

@@ -12,6 +12,7 @@
 #include "pinode/study/explanations/block_estimates.h"
 #include "pinode/study/explanations/confusions.h"
 #include "pinode/study/explanations/refit_search.h"
+#include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/terms/term_worth.h"
 
 namespace pinode {
@@ -99,7 +100,8 @@ class Report {
   }
 
   void AddFinding(Explained* result) const {
-    for (const Explanation& explanation : result->explanations) {
+    for (size_t i = 0; i < result->explanations.size(); ++i) {
+      const Explanation& explanation = result->explanations[i];
       // Explanations with about the odds of the best cannot be told from it.
       if (explanation.log_odds < limits::kLogOdds ||
           explanation.log_odds <
@@ -109,15 +111,27 @@ class Report {
       if (!(explanation.shift > limits::kShiftByExplanation)) continue;
       result->findings.push_back(
           {"another_explanation",
-           explanation.what + " would describe the records better, with '" +
-               explanation.moved + "' at " + ValueUnder(explanation),
+           explanation.what + " would describe the records better, with " +
+               MovedValue(explanation, search_.refits()[i]),
            explanation.shift, limits::kShiftByExplanation,
            "check it, or free it", Grade::kWithCare});
       break;
     }
   }
 
-  // "-0.102 in place of -0.0519", of the parameter that it moves most.
+  // "'k1' at -0.102 in place of -0.0519", of the parameter that it moves most,
+  // or "the peak of 'shaker' at 2060 in place of 2750".
+  std::string MovedValue(const Explanation& explanation,
+                         const Refit& refit) const {
+    const MovedForce force = MostMovedForce(fit_.forces, refit.fit.forces);
+    if (force.name == explanation.moved && !force.name.empty()) {
+      return "the peak of '" + force.name + "' at " +
+             FormatNumber(force.other_peak, 3) + " in place of " +
+             FormatNumber(force.own_peak, 3);
+    }
+    return "'" + explanation.moved + "' at " + ValueUnder(explanation);
+  }
+
   std::string ValueUnder(const Explanation& explanation) const {
     const ParameterEstimate* own = FindEstimate(fit_, explanation.moved);
     for (const ExplainedValue& value : explanation.values) {
@@ -171,6 +185,11 @@ class Report {
         result.shift = shift;
         result.moved = own.name;
       }
+    }
+    const MovedForce force = MostMovedForce(fit_.forces, refit.fit.forces);
+    if (force.shift > result.shift) {
+      result.shift = force.shift;
+      result.moved = force.name;
     }
     return result;
   }
@@ -272,6 +291,11 @@ class Report {
       }
       result->intervals.push_back(std::move(wide));
     }
+    result->forces = fit_.forces;
+    if (!result->explanations.empty() &&
+        result->explanations[0].log_odds > limits::kLogOdds) {
+      WidenForces(search_.refits()[0].fit.forces, &result->forces);
+    }
   }
 
   const IdentificationProblem& problem_;
@@ -285,9 +309,8 @@ class Report {
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options) {
   return problem.num_train_records() > 0 &&
-         problem.dynamics->networks().empty() &&
-         problem.dynamics->unknown_forces().empty() &&
-         problem.modal.modes.empty() && problem.ambient.empty() &&
+         problem.dynamics->networks().empty() && problem.modal.modes.empty() &&
+         problem.ambient.empty() &&
          CommunicatorOrSingle(options.communicator).size() == 1;
 }
 

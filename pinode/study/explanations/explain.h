@@ -23,10 +23,13 @@ struct Explained {
   // has odds of 20, and that of the fit linearised with all suspects as
   // unknowns, each with a prior of the size that such errors usually have.
   std::vector<ExplainedValue> intervals;
+  // The unknown forces of the fit, with bounds that hold those of the best
+  // explanation where it has odds of 20.
+  std::vector<ForceEstimate> forces;
 };
 
-// False for problems of which Explain finds nothing: with networks, unknown
-// forces, measured modes or ambient records, and on several ranks.
+// False for problems of which Explain finds nothing: with networks, measured
+// modes or ambient records, and on several ranks.
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options);
 

@@ -7,6 +7,7 @@
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/term_worth.h"
 
@@ -18,10 +19,10 @@ namespace {
 constexpr size_t kMostSingles = 4;
 constexpr size_t kMostExchanges = 2;
 constexpr size_t kMostAdded = 2;
-// Enough to compare refits: a step that changes the cost by less moves no odds,
-// and an explanation that is the right one is met within a few steps. Wrong
-// ones have long valleys.
-constexpr double kTolerance = 1e-6;
+// A refit ends with the step that moves its log odds by less: an explanation
+// that is the right one is met within a few steps. Wrong ones have long
+// valleys.
+constexpr double kLeastStepOfLogOdds = 0.1;
 constexpr int kMostIterations = 15;
 // Number of suspects together: more faults at once than these are another
 // model.
@@ -123,8 +124,6 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
       inner_(*inner),
       suspects_(MakeSuspects(problem, model)) {
   BeginNearTheEnd(&options_);
-  options_.function_tolerance =
-      std::max(options_.function_tolerance, kTolerance);
   options_.max_num_iterations =
       std::min(options_.max_num_iterations, kMostIterations);
   options_.keep_states = false;
@@ -137,6 +136,11 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
       }
     }
   }
+  // The log odds are N / 2m times the relative change of the cost.
+  options_.function_tolerance =
+      std::max(options_.function_tolerance, 2.0 * kLeastStepOfLogOdds *
+                                                MemoryOf(problem, fit) /
+                                                std::max(num_samples_, 1.0));
 }
 
 bool RefitSearch::Run() {
@@ -146,6 +150,11 @@ bool RefitSearch::Run() {
   own.model = model_;
   own.log_odds = 0.0;
   AddForceSuspects(own);
+  if (MostUnexplained(fit_) > limits::kLittleUnexplainedByForce) {
+    for (Suspect& place : MakeForcePlaces(problem_)) {
+      suspects_.push_back(std::move(place));
+    }
+  }
   if (!Score(own, suspects_, &scores_)) return false;
   // A bound that a fit has reached is a suspect whatever the score says.
   for (size_t i = 0; i < suspects_.size(); ++i) {
@@ -158,6 +167,10 @@ bool RefitSearch::Run() {
   }
   if (MostUnexplained(fit_) > limits::kLittleUnexplained) {
     for (const size_t i : LikelyExchanges()) Try(own, {i}, /*cold=*/true);
+  }
+  for (size_t i = 0; i < suspects_.size(); ++i) {
+    // A force at a wrong place has adapted to it.
+    if (!suspects_[i].moved_forces.empty()) Try(own, {i}, /*cold=*/true);
   }
   for (size_t together = 2; together <= kMostTogether; ++together) {
     if (!AddToBest()) break;

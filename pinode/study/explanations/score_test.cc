@@ -104,7 +104,7 @@ void AddUsual(const FitSummary& fit, const ParameterLayout& layout,
   std::vector<int> all = base;
   std::vector<double> prior(base.size(), 0.0);
   for (const Suspect& suspect : suspects) {
-    if (!suspect.exchanged.empty()) continue;
+    if (suspect.IsDiscrete()) continue;
     for (const std::string& name : suspect.Unknowns()) {
       const int j = layout.FreeIndex(name);
       if (j < 0 || std::find(all.begin(), all.end(), j) != all.end()) continue;
@@ -157,7 +157,7 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
                    SuspectScores* scores, std::string* error) {
   std::vector<Suspect> added;
   for (const Suspect& suspect : suspects) {
-    if (!suspect.exchanged.empty()) continue;
+    if (suspect.IsDiscrete()) continue;
     added.push_back(suspect);
     if (!suspect.tied.empty()) added.back().sensors.clear();
   }

@@ -13,11 +13,14 @@ namespace {
 bool AddTerms(const std::vector<Suspect>& suspects,
               IdentificationProblem* problem, std::string* error) {
   std::vector<std::string> freed;
+  std::vector<Suspect::ForceAt> moved;
   for (const Suspect& suspect : suspects) {
     freed.insert(freed.end(), suspect.freed.begin(), suspect.freed.end());
+    moved.insert(moved.end(), suspect.moved_forces.begin(),
+                 suspect.moved_forces.end());
   }
   std::shared_ptr<const StructuralDynamics> base = problem->dynamics;
-  if (!freed.empty()) {
+  if (!freed.empty() || !moved.empty()) {
     StructureTerms terms = TermsOf(*base);
     for (GroupTerm& term : terms.groups) {
       if (std::find(freed.begin(), freed.end(), term.group.name) ==
@@ -28,6 +31,11 @@ bool AddTerms(const std::vector<Suspect>& suspects,
       term.alpha.free = true;
       term.alpha.lower = -kInfinity;
       term.alpha.upper = kInfinity;
+    }
+    for (UnknownForceTerm& force : terms.unknown_forces) {
+      for (const Suspect::ForceAt& at : moved) {
+        if (force.name == at.name) force.outputs = at.outputs;
+      }
     }
     if (!Assemble(base->model(), base->inputs(), terms, &base, error)) {
       return false;
@@ -116,6 +124,8 @@ const char* SuspectKindName(Suspect::Kind kind) {
       return "clock_rate";
     case Suspect::Kind::kExchange:
       return "sensors_exchanged";
+    case Suspect::Kind::kForcePlace:
+      return "force_place";
   }
   return "";
 }

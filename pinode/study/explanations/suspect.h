@@ -29,6 +29,7 @@ struct Suspect {
     kExcitationScale,  // of the excitation, or of all sensors alike
     kClockRate,        // of the logger
     kExchange,         // two sensors in each other's place
+    kForcePlace,       // another place of an unknown force
   };
 
   // Unknown of sensors, shared by these channels (record, channel).
@@ -46,6 +47,12 @@ struct Suspect {
   std::vector<SensorUnknown> sensors;
   // Groups of the problem that become free, without bounds.
   std::vector<std::string> freed;
+  // Unknown forces that act through other outputs (num_dofs).
+  struct ForceAt {
+    std::string name;
+    Vector outputs;
+  };
+  std::vector<ForceAt> moved_forces;
   // Two channels of a record that exchange their values.
   std::vector<std::pair<std::pair<int, int>, std::pair<int, int>>> exchanged;
 
@@ -58,6 +65,11 @@ struct Suspect {
   // careful user still makes.
   double usual = 0.1;
 
+  // True if it changes the problem at once: it has no infinitesimal part that a
+  // score test could see.
+  bool IsDiscrete() const {
+    return !exchanged.empty() || !moved_forces.empty();
+  }
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;
 };

@@ -8,6 +8,7 @@
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/study/explanations/explain.h"
 #include "pinode/study/explanations/record_checks.h"
+#include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/identify/load_spectra.h"
 #include "pinode/study/identify/step_check.h"
 #include "pinode/study/problem/inner_fit.h"
@@ -168,6 +169,7 @@ class MainJob {
     if (fit_.termination != Termination::kFailure &&
         fit_.termination != Termination::kInterrupted) {
       add(CheckAgainstProblem(problem_, fit_, model_));
+      add(CheckUnknownForces(problem_, fit_));
       explained = Explain(problem_, options_, fit_, model_, &inner_);
       add(std::move(explained.findings));
     }
@@ -183,6 +185,7 @@ class MainJob {
     }
     if (summary.verdict.grade() == Grade::kWithCare) {
       Widen(explained.intervals, &summary.parameters);
+      if (!explained.forces.empty()) summary.forces = explained.forces;
     }
     summary.explanations = std::move(explained.explanations);
     summary.choice = std::move(choice_);
