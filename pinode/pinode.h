@@ -1,10 +1,12 @@
-// Everything that a program needs: identify a case file or a problem from
-// memory, simulate, find modes, equations and damage, plan sensors, write
-// results and reports, and bring laws of its own.
+// Header that includes what a program needs. With it a program
+// - identifies a case file, or a problem from memory, and simulates;
+// - finds modes, equations and damage, and plans sensors;
+// - writes results and reports;
+// - defines force laws of its own.
 //
-// Two things have headers of their own: residual blocks for a ceres::Problem
-// (pinode/estimate/trajectory_cost.h and segment_cost.h), and ranks of an MPI
-// job (pinode/mpi/mpi_communicator.h).
+// Two things have headers of their own. Residual blocks for a ceres::Problem
+// are in pinode/estimate/trajectory_cost.h and segment_cost.h. Ranks of an MPI
+// job are in pinode/mpi/mpi_communicator.h.
 
 #ifndef PINODE_PINODE_H_
 #define PINODE_PINODE_H_

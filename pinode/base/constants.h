@@ -5,6 +5,7 @@
 
 namespace pinode {
 
+// Numbers that all layers share.
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoPi = 2.0 * kPi;
 constexpr double kRootTwo = 1.41421356237309504880;

@@ -1,5 +1,4 @@
-// Named unknowns. Everything that an identification may change is stored in
-// them.
+// Named unknowns. An identification changes only values that are stored here.
 
 #ifndef PINODE_BASE_PARAMETER_BLOCK_H_
 #define PINODE_BASE_PARAMETER_BLOCK_H_
@@ -18,40 +17,47 @@ struct Parameter {
   std::string name;
   // Unit of `value` and of all other members. "1" for a dimensionless number.
   std::string unit = "1";
+  // Current value, and the closed interval [lower, upper] that it is kept in.
   double value = 0.0;
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  // Gaussian prior. An infinite standard deviation means: no prior.
+  // Mean and standard deviation of a Gaussian prior. An infinite standard
+  // deviation means: no prior.
   double prior_mean = 0.0;
   double prior_sigma = std::numeric_limits<double>::infinity();
+  // False: the value is known, and the fit does not change it.
   bool free = true;
 
+  // True if the prior has a finite standard deviation.
   bool HasPrior() const {
     return prior_sigma < std::numeric_limits<double>::infinity();
   }
 };
 
-// A group of unknowns that belong to one term of the model. They are contiguous
-// in the flat parameter vector theta. Named parameters (stiffness corrections,
-// element constants) are listed one by one. Network weights are many and have
-// indexed names, `<block>[i]`.
+// Unknowns that belong to one term of the model. They are contiguous in the
+// vector theta of all parameters. Named parameters, such as stiffness
+// corrections and constants of elements, are listed one by one. Network weights
+// are many and have indexed names, `<block>[i]`.
 struct ParameterBlock {
   std::string name;
   std::vector<Parameter> parameters;
-  // True for entries that the evidence may shrink towards zero (the nonlinear
-  // weights of a network). Empty, or as long as `parameters`.
+  // True for entries with a prior of mean zero whose width the fit chooses
+  // (MacKay 1992): the nonlinear weights of a network. Empty for none, or as
+  // long as `parameters`.
   std::vector<bool> decays;
   // False for network weights: reports do not list them one by one.
   bool named = true;
 
   int size() const { return static_cast<int>(parameters.size()); }
 
-  // Current values, one per parameter.
+  // Current values and their replacement: one entry per parameter, in its own
+  // unit. SetValues() does not check bounds.
   Vector Values() const;
   void SetValues(const Vector& values);
 
-  // Checks names, bounds (lower < upper, value inside) and priors. On failure
-  // returns false and names in *error the parameter and the violated rule.
+  // Checks that values are finite and inside their bounds, that lower < upper,
+  // that prior_sigma > 0, and that names are unique. On failure returns false
+  // and names in *error the parameter and the violated rule.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

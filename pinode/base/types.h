@@ -1,4 +1,5 @@
-// The matrix types that all layers share.
+// Types of dense vectors and matrices that all layers share. Vectors are
+// columns. Matrices are stored by columns.
 
 #ifndef PINODE_BASE_TYPES_H_
 #define PINODE_BASE_TYPES_H_

@@ -1,4 +1,4 @@
-// Units in case files, and their conversion to the model's own units.
+// Units of quantities, and their conversion to the model's own units.
 
 #ifndef PINODE_BASE_UNITS_H_
 #define PINODE_BASE_UNITS_H_
@@ -8,6 +8,7 @@
 
 namespace pinode {
 
+// Physical dimension of a quantity.
 enum class Dimension {
   kNumber,
   kTime,
@@ -15,14 +16,15 @@ enum class Dimension {
   kVelocity,
   kAcceleration,
   kForce,
-  kVoltage  // of sensors whose sensitivity is not known
+  kVoltage  // output of a sensor of unknown sensitivity
 };
 
-// Returns "a number", "a time", "an acceleration", ... for messages.
+// Returns the dimension with its article, such as "a number" or "an
+// acceleration", for messages.
 const char* DimensionName(Dimension dimension);
 
-// Units of a model's matrices. The unit of mass follows as force * time^2 /
-// length, so that F = m a holds.
+// Units of a model's matrices, loads and responses. The unit of mass follows as
+// force * time^2 / length, so that F = m a holds.
 struct UnitSystem {
   std::string force = "N";   // N kN MN lbf kip
   std::string length = "m";  // m cm mm in ft
@@ -33,28 +35,33 @@ struct UnitSystem {
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// Finds the factor in value_in_model_units = factor * value_in_unit. Returns
-// false if `unit` is not known or is not a unit of `dimension`. *error then
-// names the unit, the dimension it has (if any), the expected dimension, and
-// the nearest unit of that dimension. `system` must be valid.
+// Finds the factor that converts a unit: value_in_model_units = factor *
+// value_in_unit. `system` must be valid.
+//
+// Returns false if `unit` is not known or is not a unit of `dimension`. *error
+// then names the unit, its own dimension if it has one, and the expected
+// dimension. It also suggests the nearest unit of that dimension.
 [[nodiscard]] bool UnitFactor(const std::string& unit, Dimension dimension,
                               const UnitSystem& system, double* factor,
                               std::string* error);
 
-// Returns all units of a dimension, in the order of the documentation.
+// Returns the names of all units of a dimension, in the order of the
+// documentation. The list is not empty.
 std::vector<std::string> KnownUnits(Dimension dimension);
 
 // Returns the model's own unit of a dimension, such as "m/s^2". It is "1" for
 // numbers and "V" for voltages in every unit system. Its UnitFactor() is 1.
 std::string UnitName(Dimension dimension, const UnitSystem& system);
 
-// Return the names of force/length, force*time/length and force*time^2/length.
-// The last one is "kg" if the unit equals a kilogram.
+// Return the units of stiffness (force/length), damping (force*time/length) and
+// mass (force*time^2/length). The unit of mass is written "kg" if it equals a
+// kilogram.
 std::string StiffnessUnitName(const UnitSystem& system);
 std::string DampingUnitName(const UnitSystem& system);
 std::string MassUnitName(const UnitSystem& system);
 
-// Returns "N/m^3" and similar names from powers of force, length and time.
+// Returns the unit force^a * length^b * time^c for the given powers, such as
+// "N/m^3" for 1, -3 and 0. It is "1" if all powers are 0.
 std::string PowersUnitName(double force, double length, double time,
                            const UnitSystem& system);
 
