@@ -13,37 +13,45 @@
 
 namespace pinode {
 
-// Return the times of samples in the unit of the record's file.
+// Return the time of one sample, and of all samples, in the unit of time of the
+// record's file. `sample` counts from 0.
 double FileTime(const IdentificationRecord& record, Eigen::Index sample);
 Vector FileTimes(const IdentificationRecord& record);
 
-// Writes the results of Identify for `problem`, successful or not, to `folder`,
-// which is created if it does not exist. The files (see pinode/case/README.md)
-// are result.json, parameters.csv, covariance.csv, history.csv,
-// prediction_<record>.csv, force_<name>.csv, initial_states.csv, M.mtx, C.mtx,
-// K.mtx, network_<name>.json, folded matrices if there are any, and
-// checkpoint.json. WriteCaseResult adds model.toml, which needs the case file.
-// WriteHtmlReport adds the report. Returns false, with *error, if a file cannot
-// be written. The same, before any file is written, if the problem is not valid
-// or the summary belongs to another one.
+// Writes the results of Identify for `problem` to `folder`, also those of a fit
+// that failed. The folder is created if it does not exist.
+//
+// pinode/case/README.md describes the files:
+// - result.json, parameters.csv, covariance.csv, history.csv;
+// - prediction_<record>.csv, force_<name>.csv, initial_states.csv;
+// - M.mtx, C.mtx, K.mtx, and folded matrices if there are any;
+// - network_<name>.json and checkpoint.json.
+// WriteCaseResult adds model.toml, which needs the case file. WriteHtmlReport
+// adds the report.
+//
+// Returns false, with *error, if a file cannot be written. Writes no file and
+// returns false if the problem is not valid or the summary belongs to another
+// problem.
 [[nodiscard]] bool WriteResultFiles(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
                                     const std::string& folder,
                                     std::string* error);
 
-// Writes the same without matrices and networks, to an existing folder. `model`
-// is complete.
+// Writes the same files without matrices and networks, to an existing folder.
+// `model` must come from CompleteModel.
 [[nodiscard]] bool WriteTables(const IdentificationProblem& problem,
                                const IdentificationSummary& summary,
                                const IdentifiedModel& model,
                                const std::string& folder, std::string* error);
 
-// Returns `model`, or the initial model if a fit could not begin and left none.
+// Returns `model`. If the fit could not begin and left no model, returns the
+// problem's initial model.
 IdentifiedModel CompleteModel(const IdentificationProblem& problem,
                               const IdentifiedModel& model);
 
-// Formats the text of result.json.
+// Formats the text of result.json. Returns false, with *error, as
+// WriteResultFiles does.
 [[nodiscard]] bool FormatResultJson(const IdentificationProblem& problem,
                                     const IdentificationSummary& summary,
                                     const IdentifiedModel& model,
@@ -51,19 +59,25 @@ IdentifiedModel CompleteModel(const IdentificationProblem& problem,
 
 // Summary of a simulation, written with its responses.
 struct SimulationSummary {
+  // One simulated record.
   struct Record {
     std::string name;
     Eigen::Index num_samples = 0;
+    // False if the integration diverged.
     bool finite = false;
   };
+  // Path of the case file that was simulated.
   std::string case_path;
-  double noise_percent = 0.0;  // of each channel's standard deviation
-  std::uint64_t seed = 0;      // of the noise
+  // Added noise in per cent of the standard deviation of each channel, and the
+  // seed of its random numbers.
+  double noise_percent = 0.0;
+  std::uint64_t seed = 0;
   std::vector<Record> records;
 };
 
 // Writes {"schema": "pinode-simulate-1", "case", "noise_percent", "seed",
-// "records": [{"name", "samples", "finite"}]}.
+// "records": [{"name", "samples", "finite"}]} to the file `path`. Returns
+// false, with *error, if the file cannot be written.
 [[nodiscard]] bool WriteSimulationSummary(const std::string& path,
                                           const SimulationSummary& summary,
                                           std::string* error);

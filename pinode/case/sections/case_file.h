@@ -27,32 +27,37 @@ struct PlacedGeometry;
 struct ReducedStructure;
 struct TomlValue;
 
-// A case file, read and checked. All values in `problem` are in the model's
+// Case file, read and checked. All values in `problem` are in the model's
 // units.
 struct Case {
-  std::string path;  // empty: from memory
+  // Path of the case file; empty for a case from memory.
+  std::string path;
 
   // Problem with a complete description: no field is left to its default.
   IdentificationProblem problem;
+  // Options of the fit.
   IdentificationOptions options;
-  // Steps of each record of the problem, chosen or as in the case file.
+  // Integration steps per sample of each record, chosen by pinode or as in the
+  // case file. One entry per record of the problem.
   std::vector<SubstepChoice> substeps;
 
-  // Frequencies that the user expects of the model (Hz); may be empty.
+  // Natural frequencies in Hz that the user expects of the model; may be empty.
   std::vector<double> expected_hz;
 
-  // Finite-element model of which the problem's is a reduction
-  // (pinode/study/reduction/reduced_structure.h); null if the case has none.
+  // Finite-element model that was reduced to the problem's model
+  // (pinode/study/reduction/reduced_structure.h). Null if nothing was reduced.
   std::shared_ptr<const ReducedStructure> finite_element;
 
-  // [geometry]: places of its nodes (pinode/study/picture/structure_picture.h);
-  // null if the case has none.
+  // [geometry]: nodes and elements of the structure, for pictures
+  // (pinode/study/picture/structure_picture.h). Null if the case has none.
   std::shared_ptr<const PlacedGeometry> geometry;
 
-  // [simulate]: noise in per cent of each channel's standard deviation, or of
-  // each channel's own sigma.
+  // [simulate]: noise to be added. It is noise_percent per cent of each
+  // channel's standard deviation. If noise_is_sigma is true, it is each
+  // channel's own `sigma` instead.
   double noise_percent = 0.0;
   bool noise_is_sigma = false;
+  // Seed of the random numbers of the noise.
   std::uint64_t noise_seed = 1;
 
   // [discover]: options of pinode_discover.
@@ -62,69 +67,75 @@ struct Case {
   // [[library]] with select = true. A fit keeps those that the records support.
   std::vector<ModelCandidate> candidates;
 
-  // [profiles]: the parameters whose likelihood is to be profiled, empty for
-  // all free ones; no value without profiles.
+  // [profiles]: names of the parameters whose likelihood is to be profiled. An
+  // empty list stands for all free parameters. No value: no profiles.
   std::optional<std::vector<std::string>> profiles;
 
-  // [damage]: changes besides those of groups that pinode_damage searches for.
+  // [damage]: changes that pinode_damage searches for besides changes of
+  // groups.
   DamageSearch damage;
 
-  // [plan]: possible sensors and their places; set by ReadCaseForPlanning only.
+  // [plan]: possible sensors and their places. Only ReadCaseForPlanning sets
+  // it.
   SensorRequest plan;
 
-  // The text as a tree, from which model.toml is made.
+  // Text of the case file as a tree of tables. model.toml is made from it.
   std::shared_ptr<const TomlValue> source;
-  // Arrays that the tree names in place of files; null: there are none.
+  // Arrays in memory that the tree names in place of files. Null: there are
+  // none.
   std::shared_ptr<const CaseData> data;
 };
 
-// Purpose for which a case is read, see below.
+// Purpose for which a case is read. Each value belongs to one function below.
 enum class CasePurpose { kFit, kCheck, kSimulation, kPlanning };
 
-// Reads the case file at `path` and all files that it names; see
-// pinode/case/README.md for every key. Includes the checks of
-// IdentificationProblem::IsValid and IdentificationOptions::IsValid, and the
-// choice of the integration step.
+// Reads the case file at `path` and all files that it names.
+// pinode/case/README.md describes every key. Also runs
+// IdentificationProblem::IsValid and IdentificationOptions::IsValid, and
+// chooses the integration step.
 //
-// Fails with one line in *error, `file:line: what, and what was expected`;
-// *c is untouched then.
+// Returns false on failure, with one line in *error: `file:line: what, and what
+// was expected`. *c is then unchanged. The functions below fail alike.
 [[nodiscard]] bool ReadCase(const std::string& path, Case* c,
                             std::string* error);
 
-// Reads as ReadCase, on several ranks that share the tables of its records:
-// each calls this, with its own `tables`.
+// Reads as ReadCase, on several ranks that share the tables of the records, so
+// that each file is read once. Each rank calls this with its own `tables`.
 [[nodiscard]] bool ReadCase(const std::string& path, SharedTables* tables,
                             Case* c, std::string* error);
 
-// Reads as ReadCase, ReadCaseForCheck or ReadCaseForSimulation, from a tree
-// that names arrays in `data` (null: none) as well as files. `path`, which need
-// not exist, is the case's path for messages and relative paths. Empty: paths
-// are relative to the working directory.
+// Reads a case from a tree of tables, which may name arrays in `data` as well
+// as files. `data` may be null. `purpose` selects one of ReadCase,
+// ReadCaseForCheck, ReadCaseForSimulation and ReadCaseForPlanning. `path` is
+// used in messages and resolves relative paths; the file need not exist. With
+// an empty `path`, paths are relative to the working directory.
 [[nodiscard]] bool ReadCaseTree(const TomlValue& tree, const std::string& path,
                                 std::shared_ptr<const CaseData> data,
                                 CasePurpose purpose, Case* c,
                                 std::string* error);
 
-// Reads as ReadCase, for a check: a model without records and modes is a case
-// as well.
+// Reads as ReadCase, for a check. Also accepts a model without records and
+// without measured modes.
 [[nodiscard]] bool ReadCaseForCheck(const std::string& path, Case* c,
                                     std::string* error);
 
-// Reads as ReadCase, for a simulation: measured responses are not read (their
-// values are NaN), a record needs no file, and no parameter need be free.
+// Reads as ReadCase, for a simulation. Measured responses are not read: their
+// values are NaN. A record needs no file, and no parameter need be free.
 [[nodiscard]] bool ReadCaseForSimulation(const std::string& path, Case* c,
                                          std::string* error);
 
-// Reads as ReadCaseForSimulation, to plan sensors: records need no channel, and
-// Case::plan has the possible sensors. Each of `plan.excite` is a separate
-// case: with `force_dof` not empty, the first force of each record acts there.
-// No other force or ground motion acts then.
+// Reads as ReadCaseForSimulation, to plan sensors. Records need no channel, and
+// Case::plan gets the possible sensors.
+//
+// `force_dof` names one DOF of `plan.excite`. If it is not empty, the first
+// force of each record acts at this DOF, and no other force or ground motion
+// acts. Call once for each DOF of `plan.excite`.
 [[nodiscard]] bool ReadCaseForPlanning(const std::string& path,
                                        const std::string& force_dof, Case* c,
                                        std::string* error);
 
-// Returns what Identify needs of a case beside its problem and options: the
-// candidates, and the structure that its model is a reduction of.
+// Returns the other inputs of Identify besides problem and options: the
+// candidates, and the finite-element model that was reduced.
 IdentificationExtras ExtrasOf(const Case& c);
 
 }  // namespace pinode
