@@ -1,4 +1,4 @@
-// Changes between the baselines and a new state.
+// Changes of a structure between its baselines and a new state.
 
 #ifndef PINODE_DAMAGE_CHANGE_H_
 #define PINODE_DAMAGE_CHANGE_H_
@@ -10,141 +10,167 @@
 
 namespace pinode {
 
-// Identified factors of a structure's groups with their covariance: alpha of K0
-// + sum_j alpha_j K_j, so that the group has 1 + alpha times its nominal
-// stiffness. Other unknowns that may change can be included, see
-// ChangeOptions::absolute.
+// Identified factors alpha_j of the structure's groups in K0 + sum_j alpha_j
+// K_j. Group j has 1 + alpha_j times its nominal stiffness. Other unknowns that
+// may change can be entries too, see ChangeOptions::absolute.
 struct GroupState {
+  // One factor per group, dimensionless, and their covariance, groups x groups.
+  // The covariance must be positive definite.
   Vector values;
   Matrix covariance;
 };
 
+// Options of EstimateChange.
 struct ChangeOptions {
   // Loss from which damage is reported, as a fraction of the baseline
   // stiffness.
   double threshold = 0.05;
-  // Probability of reporting any change without a change.
+  // Probability of reporting a change of any group although none has changed.
   double false_alarm_rate = 0.05;
-  // Number of random draws for the distribution of the largest statistic.
+  // Number of random draws, at least 1000, for the distribution of the largest
+  // score (see EstimateChange).
   int num_draws = 20000;
-  // Marks entries whose change is absolute instead of a fraction of the
-  // baseline 1 + alpha, such as a mass that may have been added; empty: none.
+  // Entries whose change is a plain difference, in the unit of their value,
+  // such as a mass that may have been added. The change of any other entry is a
+  // fraction of its baseline 1 + alpha. One flag per entry; empty: none.
   std::vector<bool> absolute;
-  // Loss in twice the log-likelihood below which another explanation is a rival
-  // of a found change: odds of 20 (R. E. Kass and A. E. Raftery, J. Amer.
-  // Statist. Assoc. 90 (1995) 773-795).
+  // Limit for rivals of a found change. Another explanation is a rival if it
+  // lowers twice the log-likelihood by less than this. The default is odds of
+  // 20 (R. E. Kass and A. E. Raftery, J. Amer. Statist. Assoc. 90 (1995)
+  // 773-795).
   double rival_loss = 6.0;
 
-  // On failure *error names the option and the violated constraint.
+  // Returns false if an option is not allowed. *error then names the option and
+  // the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
+// Estimated change of one group.
 struct GroupChange {
-  // Change as a fraction of the baseline value: -0.1, a tenth of it lost. A
-  // changed group is refitted with the others that changed, any other group as
-  // if it had changed together with them.
+  // Change as a fraction of the baseline value: -0.1 means that a tenth is
+  // lost. It is estimated jointly with the changes of all groups that were
+  // found. Groups that were not found are assumed unchanged, except this one.
   double change = 0.0;
-  double sigma = 0.0;  // its standard deviation
+  double sigma = 0.0;  // standard deviation of `change`
+  // 95 % interval of `change`.
   double lower95 = 0.0;
   double upper95 = 0.0;
-  // Probability P(loss > threshold).
+  // Probability that the loss, -change, is above ChangeOptions::threshold.
   double probability = 0.0;
-  // True if "no change" is rejected at the family-wise false-alarm rate.
+  // True if the group was found: "no change" is rejected at
+  // ChangeOptions::false_alarm_rate, which holds for all groups together.
   bool changed = false;
-  // Adjusted p-value of that test: the smallest family-wise rate at which the
-  // group counts as changed, given the groups found before it.
+  // Adjusted p-value of that test: the smallest false-alarm rate at which the
+  // group is found, given the groups found before it.
   double p_value = 1.0;
 };
 
 // Rival explanation: a change of group `other` (not found) in place of group
 // `found` explains the data nearly as well.
 struct RivalChange {
+  // Indices of the two groups, from 0.
   int found = 0;
   int other = 0;
-  double loss = 0.0;  // in twice the log-likelihood
+  double loss = 0.0;  // decrease of twice the log-likelihood
 };
 
-// Set of changes that explains the new records alone, everything else as in
-// the baselines, and was fitted to them.
+// Explanation of the new records by changes of a few groups. These changes were
+// fitted to the records; everything else is as in the baselines.
 struct ChangeExplanation {
+  // Indices of the groups that change, from 0, and the change of each.
   std::vector<int> changed;
-  std::vector<GroupChange> changes;  // of `changed`
-  // Logarithm of the odds against the likeliest explanation, 0 or less.
+  std::vector<GroupChange> changes;
+  // Natural logarithm of the odds of this explanation relative to the likeliest
+  // one: 0 for the likeliest, negative for the others.
   double log_odds = 0.0;
-  // Probability among all sets that were fitted, a priori equal.
+  // Probability among all sets of groups that were fitted. Their prior
+  // probabilities are equal.
   double probability = 0.0;
 };
 
+// Result of EstimateChange.
 struct ChangeEstimate {
+  // Change of every group, in the order of the states' entries.
   std::vector<GroupChange> groups;
   std::vector<RivalChange> rivals;  // least loss first
-  // Standard deviation of each baseline value from record to record beyond its
-  // covariance, in the units of its change; zero with one baseline.
+  // Standard deviation of each value from baseline to baseline, beyond its own
+  // covariance, in the units of GroupChange::change. Zero with one baseline.
   Vector between_records;
-  // True with several baselines, so that the differences between records are
-  // included.
+  // True with several baselines: the intervals then include the differences
+  // between them.
   bool has_between_records = false;
-  // Test of "nothing but the groups found has changed": chi^2 and number of
-  // groups left.
+  // Test that only the groups found have changed: chi^2 statistic and its
+  // degrees of freedom, the number of the other groups.
   double unexplained_chi2 = 0.0;
   int unexplained_degrees = 0;
-  // Explanations with at least a twentieth of the odds of the likeliest, which
-  // comes first and has the values of `groups`. Empty: none was fitted.
+  // Explanations with at least a twentieth of the odds of the likeliest one.
+  // The likeliest comes first; its changes equal those in `groups`. Empty: none
+  // was fitted.
   std::vector<ChangeExplanation> explanations;
 };
 
-// Prediction of a new record by the baselines if nothing has changed.
+// Values that the baselines predict for a new state in which nothing has
+// changed.
 struct PooledBaselines {
-  // Expected values and their covariance, with the differences between records.
+  // Expected values, one per group, and their covariance, groups x groups. The
+  // covariance includes the differences between baselines.
   GroupState state;
-  // Variance of each value between records beyond its own covariance.
+  // Variance of each value between baselines beyond its own covariance.
   Vector between;
+  // Number of baselines, at least 1.
   int num_baselines = 0;
-  // Cost of the baselines' data at the expected values, and half the logarithm
-  // of the determinant of the covariance. Zero if these are the same for all
+  // Cost (negative log-likelihood) of the baselines' data at the expected
+  // values, and half of log(det(covariance)). Zero if they are the same for all
   // explanations.
   double cost = 0.0;
   double log_volume = 0.0;
 };
 
-// Marks entries that are so small in one of the baselines (1 + alpha not above
-// a tenth) that they cannot scale their change: dampers of a simple model, for
-// instance. For ChangeOptions::absolute. All states have the same size.
+// Returns one flag per entry for ChangeOptions::absolute. It is true if 1 +
+// alpha is at most 0.1 in one of the baselines, as for some dampers of a simple
+// model. Such a value is too small for a change to be a fraction of it. All
+// states must have the same size.
 std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy);
 
-// Estimates the change of every group from the baselines (at least one, the
-// same groups in each) to the current state.
+// Estimates the change of every group from the baselines to the current state.
+// There is at least one baseline, and all states have the same groups.
 //
-// The differences are normal with the covariances of both sides. With several
-// baselines the variance between records is added: by moments per group (R.
-// DerSimonian and N. Laird, Controlled Clinical Trials 7 (1986) 177-188), never
-// below zero. It comes from few records, so that tests and intervals then are
-// those of Student's t.
+// The differences d of the values have a normal distribution. Its covariance is
+// the sum of those of both states. With several baselines the variance between
+// baselines is added. It is estimated per group by the method of moments (R.
+// DerSimonian and N. Laird, Controlled Clinical Trials 7 (1986) 177-188). As it
+// comes from few baselines, tests and intervals then use Student's t.
 //
-// Few groups change at a time. A group that seems to have changed alone has the
-// score z_j = (W d)_j / sqrt(W_jj), W the inverse covariance of the differences
-// d. The largest |z_j| is compared with its distribution without change. That
-// is drawn with the scores' own correlation, so that the false-alarm rate holds
-// for all groups together. The group is taken in, the scores of the others are
-// conditioned on it, and so on. A group found earlier leaves again if later
-// ones explain it. Unlike the LASSO, this has no bias on the groups it keeps
-// and a rate that can be stated.
+// The method assumes that few groups change at a time and finds them one by
+// one:
 //
-// Returns false, with *error, if sizes differ, a covariance is not positive
-// definite, or a baseline stiffness is not positive.
+// 1. The score of group j, if it alone has changed, is
+//    z_j = (W d)_j / sqrt(W_jj), with W the inverse covariance of d.
+// 2. The largest |z_j| is compared with its distribution without change. Draws
+//    with the correlation of the scores give this distribution, so that the
+//    false-alarm rate holds for all groups together.
+// 3. If it is significant, the group is found. The scores of the others are
+//    conditioned on it, and step 2 is repeated.
+// 4. A group found earlier is removed if groups found later explain it.
+//
+// Unlike the LASSO, the method does not bias the changes that it finds, and its
+// false-alarm rate is known.
+//
+// Returns false, with *error, if an option is not allowed, sizes differ, a
+// covariance is not positive definite, or a baseline stiffness is not positive.
 [[nodiscard]] bool EstimateChange(const std::vector<GroupState>& healthy,
                                   const GroupState& current,
                                   const ChangeOptions& options,
                                   ChangeEstimate* estimate, std::string* error);
 
 // Pools the baselines as EstimateChange does. Returns false, with *error, if
-// sizes differ or a covariance is not positive definite.
+// there is none, sizes differ, or a covariance is not positive definite.
 [[nodiscard]] bool PoolBaselines(const std::vector<GroupState>& healthy,
                                  PooledBaselines* pooled, std::string* error);
 
-// Finds other explanations of the changes of the groups `found`, whichever
-// method found them: exchanges of one of them for one of the others, least loss
-// first. Returns false as EstimateChange does.
+// Finds rivals of the changes in the groups `found`, by whichever method these
+// were found. A rival replaces one of these groups by another group. *rivals is
+// sorted by loss, smallest first. Returns false as EstimateChange does.
 [[nodiscard]] bool FindRivals(const std::vector<GroupState>& healthy,
                               const GroupState& current,
                               const ChangeOptions& options,

@@ -1,4 +1,4 @@
-// Verdict on a structure from its changes.
+// Verdict on the changes of a structure.
 
 #ifndef PINODE_DAMAGE_VERDICT_H_
 #define PINODE_DAMAGE_VERDICT_H_
@@ -11,6 +11,7 @@
 
 namespace pinode {
 
+// Verdict on a structure. JudgeChange defines the values.
 enum class DamageVerdict {
   kNoDamage,
   kDamage,
@@ -22,21 +23,27 @@ enum class DamageVerdict {
 // Returns "no_damage", "damage", "nonlinear", "other_change" or "cannot_tell".
 const char* DamageVerdictName(DamageVerdict verdict);
 
+// Kind of a change, by the part of the model that changes.
 enum class ChangeKind { kStiffness, kDamping, kMass, kNonlinear };
 
 // Returns "stiffness", "damping", "mass" or "nonlinear".
 const char* ChangeKindName(ChangeKind kind);
+// Returns the kind of change of a group that is added to this matrix.
 ChangeKind KindOf(MatrixGroup::Target target);
 
-// Subject of a possible change: an entry of a ChangeEstimate.
+// Subject of a possible change: describes one entry of a ChangeEstimate.
 struct ChangeSubject {
-  std::string name;  // of the parameter
+  std::string name;  // name of the parameter
+  // Kind of the change.
   ChangeKind kind = ChangeKind::kStiffness;
-  // Place of kMass and kNonlinear, modes of kDamping, if they are no groups of
-  // the user's.
+  // Place of a mass or of a nonlinear force, or the modes whose damping
+  // changes. Empty for groups that the user has defined.
   std::string place;
-  std::string dof;  // kNonlinear: "u1", or "u1-u2" of a force between two
-  // RMS of the force as a fraction of the restoring force's; kNonlinear only.
+  // DOFs of a nonlinear force: "u1", or "u1-u2" for a force between two DOFs.
+  // Empty for other kinds.
+  std::string dof;
+  // RMS of a nonlinear force as a fraction of the RMS of the restoring force. 0
+  // for other kinds.
   double force_share = 0.0;
 };
 
@@ -45,70 +52,86 @@ enum class Reason {
   kNone,
   // Change beyond the threshold with 95 % probability.
   kBeyondThreshold,
-  // Significant compared with the differences between baselines.
+  // Change significant compared with the differences between baselines.
   kBetweenRecords,
-  // Significant by the intervals alone: with one baseline the normal scatter is
-  // unknown.
+  // Change significant by the intervals alone. With one baseline the normal
+  // scatter is unknown.
   kFormal,
-  // Loss beyond the threshold neither shown nor ruled out.
+  // Loss beyond the threshold is neither shown nor ruled out.
   kUndetermined,
   // Change of another kind explains the data nearly as well.
   kAmbiguous,
-  // Much more motion is unexplained than in the baselines: the change may be a
-  // side effect of another cause.
+  // Unexplained motion is much larger than in the baselines. The change may be
+  // a side effect of another cause.
   kUnexplained,
-  // The change is smaller than the share of the motion that the model misses,
-  // of healthy records too, and one baseline does not show how much that moves.
+  // Change smaller than the unexplained share of the motion, which is large in
+  // the baseline too. One baseline does not show how much this share varies.
   kModelError,
-  // With one baseline: another explanation of what one of the two fits misses
-  // reaches as far as the change.
+  // Change that may come from the unexplained motion of one of the two fits:
+  // another explanation of this motion shifts the group as far. Only with one
+  // baseline.
   kOtherExplanation,
 };
 
-// Unexplained motion of a model, without noise, as fractions.
+// Unexplained motion: RMS error of the simulation without the part due to
+// noise, as a fraction of the RMS of the measured motion. Each value is the
+// largest of the records.
 struct MissedMotion {
-  double healthy = 0.0;  // of the baselines
-  double groups = 0.0;   // of the new records, with groups alone
-  double last = 0.0;     // with all found changes; 0: unknown
-  // Per subject, true if the intervals of the two fits overlap, as wide as
-  // other explanations of what they miss reach. Empty: for none.
+  // Value in the baselines.
+  double healthy = 0.0;
+  // Value in the new records if only groups change.
+  double groups = 0.0;
+  // Value in the new records with all found changes. 0: unknown.
+  double last = 0.0;
+  // One flag per subject. It is true if the intervals of baseline and new state
+  // overlap after widening by other explanations of the unexplained motion.
+  // Empty: false for all.
   std::vector<bool> within_doubt = {};
 
-  // True if much more is unexplained than in the baselines: part of the change
-  // in the structure, its loads or its sensors is of a kind that was not
-  // examined.
+  // True if `last` is above 2 % and above three times `healthy`. The structure,
+  // its loads or its sensors then have changed in a way that was not examined.
   bool IsMore() const;
-  // True if one baseline cannot show a change of this size: the model misses a
-  // larger share of the motion, and what it misses depends on the motion.
+  // True if one baseline cannot show a change of this size (a fraction). The
+  // unexplained share of the motion is then above 10 % and above the change.
+  // Unexplained motion depends on the motion, and so differs between records.
   bool Hides(double change) const;
   // True if a nonlinear force with this share of the restoring force is
-  // confirmed. It must explain much of the motion that groups alone leave, and
-  // must not be small compared with the remaining unexplained motion, which may
-  // be due to its form.
+  // confirmed. It must explain at least 30 % of the motion that groups alone
+  // leave unexplained. It must also be above 40 % of the motion that then
+  // remains unexplained, which may be due to its form.
   bool LeavesForce(double force_share) const;
 };
 
+// Result of JudgeChange.
 struct Judgement {
   DamageVerdict verdict = DamageVerdict::kCannotTell;
-  std::vector<Reason> reasons;  // per subject
+  std::vector<Reason> reasons;  // one per subject
+  // Verdict in words, with numbers, reason and next step.
   std::string sentence;
 };
 
-// Judges the changes, with one subject for each entry of the estimate.
+// Judges the changes. `subjects` has one entry for each group of the estimate.
+// `missed` is the unexplained motion; the default stands for none. The first
+// line that applies is the verdict:
 //
-//   nonlinear     a nonlinear force has appeared, beyond the threshold or
-//                 against the differences between records, and of at least 1 %
-//                 of the restoring force
-//   damage        otherwise, a loss of stiffness by the same criteria
-//   other_change  otherwise, a change of damping or mass, a gain of stiffness,
-//                 or a smaller nonlinear force
-//   cannot_tell   none of these, but one of them with a rival of another kind,
-//                 or a stiffness group that may have lost more than the
-//                 threshold with more than 5 % probability; or, whatever was
-//                 found, more motion is unexplained; or, with one baseline,
-//                 only changes smaller than what the model misses or within
-//                 reach of other explanations of it
-//   no_damage     none, and none is possible
+//   nonlinear     A nonlinear force was found: beyond the threshold, or
+//                 significant against the differences between baselines. It is
+//                 at least 1 % of the restoring force.
+//   damage        A loss of stiffness was found by the same criteria.
+//   other_change  A change of damping or mass, a gain of stiffness, or a
+//                 smaller nonlinear force was found.
+//   cannot_tell   A change may exist but does not count as found, see below.
+//                 Or a stiffness group may have lost more than the threshold,
+//                 with more than 5 % probability.
+//   no_damage     Nothing was found, and nothing is possible.
+//
+// These changes do not count as found:
+// - a change with a rival of another kind;
+// - any change, if more motion is unexplained than in the baselines
+//   (MissedMotion::IsMore), except a nonlinear force that
+//   MissedMotion::LeavesForce confirms;
+// - with one baseline, a change that is smaller than the unexplained motion, or
+//   within reach of other explanations of this motion.
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                       const ChangeEstimate& estimate,
                       const ChangeOptions& options,
