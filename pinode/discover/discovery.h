@@ -1,6 +1,6 @@
-// Regression step of discovery: from a trained network, or from records alone,
-// to equations. network_outputs.h computes the regressed values,
-// output_regression.h regresses one output.
+// Regression step of discovery: finds equations from a trained network, or from
+// records alone. Two other headers hold its parts: network_outputs.h computes
+// the regressed values, output_regression.h regresses one output.
 
 #ifndef PINODE_DISCOVER_DISCOVERY_H_
 #define PINODE_DISCOVER_DISCOVERY_H_
@@ -23,92 +23,110 @@ namespace pinode {
 
 struct DiscoveredEquation;
 
+// Options of discovery.
 struct DiscoveryOptions {
-  // Source of the regressed values: the networks along the predicted states, or
-  // smoothed records, from which the forces to be supplied by networks follow.
+  // Source of the regressed values. kNetwork: outputs of the trained networks
+  // along the predicted states. kDerivatives: forces that the networks would
+  // have to supply, computed from smoothed records.
   enum class Source { kNetwork, kDerivatives };
 
-  // Method that proposes the supports to choose from: the LASSO's path, or that
-  // of thresholds in sequentially thresholded least squares.
+  // Method that proposes sets of terms to choose from. kLasso: the path of the
+  // LASSO (R. Tibshirani 1996). kStlsq: sequentially thresholded least squares
+  // for a path of thresholds (S. L. Brunton, J. L. Proctor and J. N. Kutz
+  // 2016).
   enum class Solver { kLasso, kStlsq };
 
-  // Output that has a library, or constraints, of its own.
+  // Output that has its own library or constraints.
   struct Output {
-    std::string name;  // as the network's output: "u1", or "u1-u2"
-    CandidateLibraryOptions library;
-    // Constraints on coefficients by their basis: "x[u1]^3". No equalities.
+    std::string name;  // name of the network's output: "u1" or "u1-u2"
+    CandidateLibraryOptions library;  // candidates of this output
+    // Constraints on coefficients, named by their basis function such as
+    // "x[u1]^3". Equalities are not allowed.
     std::vector<CoefficientConstraint> constraints;
   };
 
   Source source = Source::kNetwork;
   Solver solver = Solver::kLasso;
 
-  // Names of the networks to replace; empty: all.
+  // Names of the networks to replace by equations; empty: all.
   std::vector<std::string> networks;
 
-  // Features of the candidates; empty: the inputs of the network.
+  // Features (inputs) of the candidates; empty: the inputs of the network.
   std::vector<Feature> features;
+  // Candidates of all outputs that are not listed in `outputs`.
   CandidateLibraryOptions library;
   std::vector<Output> outputs;
 
-  // Accepted loss against the best fit of all candidates. It is a share of the
-  // RMS of the output DOF's acceleration (of the force that causes it, for
-  // networks that act as forces). The fewest terms are chosen that lose less
-  // than this, or than the uncertainty of the regressed values if that is
-  // larger (DiscoveredEquation::uncertainty). A network's own error is not
-  // noise: it is smooth and looks significant to every test that counts
-  // samples. Terms hidden by an error below this limit are left to the refit.
+  // Accepted loss: increase of the RMS error against the best fit with all
+  // candidates, as a fraction of DiscoveredEquation::scale. The equation with
+  // the fewest terms within this loss is chosen. If
+  // DiscoveredEquation::uncertainty is larger, it takes the place of
+  // `tolerance`. A test that counts samples would not do: a network's error is
+  // smooth, and so looks significant. Terms that this error hides are left to
+  // the refit.
   double tolerance = 0.005;
 
-  // Number of bags of RunEnsemble for inclusion probabilities; 0: none.
+  // Number of bags (resampled regressions) for inclusion probabilities, see
+  // RunEnsemble (U. Fasel et al. 2022). 0: no ensemble.
   int num_bags = 0;
+  // Fraction of the candidates that each bag is offered; 1: all.
   double library_fraction = 1.0;
+  // Seed of the ensemble's random numbers, and number of threads. The result
+  // does not depend on the number of threads.
   uint64_t seed = 1;
   int num_threads = 1;
   // Ranks that share the bags; nullptr: a single process.
   Communicator* communicator = nullptr;
 
-  // Pruning after the refit through the ODE. A term is dropped if it adds less
-  // than this fraction of `tolerance`, or is not worth its price, (xi /
-  // sigma_xi)^2 <= TermPrices.
+  // Limit for dropping terms after the refit to the trajectories. A term is
+  // dropped if its share is less than prune_fraction * tolerance. It is also
+  // dropped if (xi / sigma_xi)^2 is not above its price (TermPrices), with xi
+  // the coefficient and sigma_xi its standard deviation.
   double prune_fraction = 0.1;
 
   // True: the selected terms are fitted to the trajectories.
   bool refit = true;
 
   // True: the refit searches the candidates for terms that the regression has
-  // missed, by the same price.
+  // missed. A term enters if it is worth its price.
   bool search = true;
 
-  // Called in every iteration of the refit, before the callback of the fit's
-  // options, with the present equations, for a program to save. `fit` is the
-  // number of the refit's current fit, from 1.
+  // Function that is called in every iteration of the refit, with the present
+  // equations, so that a program can save them. It runs before the callback of
+  // the fit's options. `fit` is the number of the refit's current fit, from 1.
   std::function<void(int fit, const std::vector<DiscoveredEquation>&)>
       on_equations;
 
+  // Returns the entry of `outputs` with this name, or nullptr.
   const Output* Find(const std::string& output) const;
 
-  // On failure *error names the option and the violated constraint.
+  // Returns false if an option is not allowed. *error then names the option and
+  // the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 
-// One term of an equation, with results of its regression and refit.
+// One term coefficient * basis of an equation, with results of its regression
+// and refit.
 struct DiscoveredTerm {
+  // Text of the basis function, such as "x[u1]^3", and its coefficient.
   std::string basis;
   double coefficient = 0.0;
-  // Share of the term: RMS of coefficient * basis over the samples, over the
-  // scale of the equation.
+  // Share of the term: RMS of coefficient * basis over the samples, divided by
+  // DiscoveredEquation::scale.
   double share = 0.0;
-  // RMS of the basis over the samples.
+  // RMS of the basis function over the samples, in its own unit.
   double basis_rms = 0.0;
-  // Inclusion probability in the ensemble; NaN without one.
+  // Fraction of the ensemble's bags that select the term, 0 to 1; NaN without
+  // an ensemble.
   double inclusion_probability = 0.0;
-  bool given = false;  // by a constraint
-  int sign = 0;        // required by a constraint: 1, -1; 0: either
+  bool given = false;  // True if a constraint fixes the coefficient.
+  int sign = 0;        // Sign that a constraint requires, 1 or -1. 0: either.
 
-  // Results of the refit, or defaults without one.
-  std::string unit;        // of the coefficient
-  double regressed = 0.0;  // from the regression; 0: no term there
+  // Results of the refit; defaults without a refit. `unit` is the unit of the
+  // coefficient. `regressed` is the coefficient from the regression, 0 for a
+  // term that the refit has added.
+  std::string unit;
+  double regressed = 0.0;
   // Standard deviation and 95 % interval of the coefficient; NaN without a
   // refit.
   double sigma = std::numeric_limits<double>::quiet_NaN();
@@ -116,70 +134,88 @@ struct DiscoveredTerm {
   double upper95 = std::numeric_limits<double>::quiet_NaN();
 };
 
-// Candidate for a term: a coefficient that is not given.
+// Candidate for a term whose coefficient is not given. `basis` is the text of
+// its function.
 struct DiscoveryCandidate {
   std::string basis;
-  double rms = 0.0;            // of the basis over the samples
-  int sign = 0;                // as DiscoveredTerm::sign
-  int degree = kNotAMonomial;  // of a monomial, 0 of the constant
+  double rms = 0.0;            // RMS of the function over the samples
+  int sign = 0;                // see DiscoveredTerm::sign
+  int degree = kNotAMonomial;  // total degree; 0: constant
 };
 
-// One point of the Pareto curve.
+// One point of the Pareto curve: the best equation with this number of terms.
 struct DiscoveryParetoPoint {
   int num_terms = 0;
-  double residual = 0.0;  // RMS over the equation's scale
+  double residual = 0.0;  // RMS of the residual / scale
+  // Bayesian information criterion (G. Schwarz 1978).
   double bic = 0.0;
 };
 
-// Equation g = sum_k xi_k f_k(q) in place of one output of one network.
+// Equation g = sum_k xi_k f_k(q) that replaces one output g of one network. q
+// are the features, f_k the basis functions, xi_k the coefficients.
 struct DiscoveredEquation {
   // Source of the regressed values.
   DiscoveryOptions::Source source = DiscoveryOptions::Source::kNetwork;
+  // Names of the network and of its output.
   std::string network;
   std::string output;
+  // Unit of g: an acceleration or a force.
   ActsAs acts_as = ActsAs::kAcceleration;
+  // Features q and their names.
   std::vector<Feature> features;
   std::vector<std::string> feature_names;
-  std::vector<DiscoveredTerm> terms;  // by descending share
-  // RMS of the acceleration (force) of the output's DOFs. Shares and residuals
-  // are relative to it.
+  std::vector<DiscoveredTerm> terms;  // largest share first
+  // RMS of the acceleration of the output's DOFs over the samples, or of the
+  // force that causes it if g is a force. Shares and residuals are relative to
+  // it.
   double scale = 0.0;
-  // RMS of the network's output, and of the residual, over the scale.
+  // RMS of the regressed values, and of the residual, divided by `scale`.
   double output_rms = 0.0;
   double residual = 0.0;
-  // Standard deviation of the regressed values, RMS over the samples, over the
-  // scale. For a network it is that of its posterior. 0: unknown.
+  // Standard deviation of the regressed values, as RMS over the samples,
+  // divided by `scale`. For a network it is from the posterior of its weights.
+  // 0: unknown.
   double uncertainty = 0.0;
-  int num_candidates = 0;  // given ones included
+  int num_candidates = 0;  // also counts given ones
+  // Candidates that were offered, and the Pareto curve by number of terms.
   std::vector<DiscoveryCandidate> candidates;
   std::vector<DiscoveryParetoPoint> pareto;
-  int num_regressed_terms = 0;  // free ones, of the chosen point
-  // Regressed values: samples x features, and the output.
+  // Number of terms that the regression has chosen, without given ones.
+  int num_regressed_terms = 0;
+  // Values of the features, samples x features, and the regressed values, one
+  // per sample, in the unit of g.
   Matrix sample_features;
   Vector sample_outputs;
 };
 
-// Regresses each output of each network of `problem`, as trained in `model`, on
-// its candidates along the predicted states of the training records (Lai et al.
-// (2021), eq. (7)), and selects terms. The equations are in the order of
-// networks and outputs; those without terms are included. The linear path of a
-// network next to known stiffness and damping is part of its output, and so of
-// the equation. A network under the gauge has no slope at rest: candidates that
-// are plain features are left out there. Returns false for invalid options, a
-// candidate that cannot be evaluated, a run that is not finite, or no network.
+// Finds an equation for each output of each network of `problem`, as trained in
+// `model`. The output along the predicted states of the training records is
+// regressed on the candidates, and terms are selected (Z. Lai et al. 2021, eq.
+// (7)).
+//
+// *equations has one entry per output, in the order of networks and outputs,
+// also if no term was selected. The linear path of a network is part of its
+// output, and so of the equation. A network under the gauge has no slope at
+// rest (NetworkArchitecture), so plain features are no candidates for it.
+//
+// Returns false, with *error, for invalid options, a candidate that cannot be
+// evaluated, a simulation that is not finite, or a problem without networks.
 [[nodiscard]] bool DiscoverFromNetworks(
     const IdentificationProblem& problem, const IdentifiedModel& model,
     const DiscoveryOptions& options, std::vector<DiscoveredEquation>* equations,
     std::string* error);
 
-// Finds equations without a trained network (eqs. (8) and (9) there). The
-// regressed values are differences of accelerations: those of the smoothed
-// training records (SmoothMotion) less those of the model without networks, its
-// parameters at their initial values. The networks of `problem` define where
-// terms act and which features they may use. The accelerations must distinguish
-// the networks. *model: initial model of a refit, with noise levels and starts
-// from the smoothed records. Also returns false for a DOF that the records do
-// not determine (see SmoothMotion), and for laws with internal states.
+// Finds equations without a trained network (Z. Lai et al. 2021, eqs. (8) and
+// (9)). The regressed values are accelerations of the smoothed training records
+// (SmoothMotion) minus those of the model without networks. The parameters of
+// this model have their initial values. The networks of `problem` only define
+// the DOFs at which terms act and the features that terms may use. The
+// accelerations must distinguish the networks.
+//
+// *model receives the initial model of a refit, with noise levels and initial
+// states from the smoothed records. Returns false as DiscoverFromNetworks does.
+// Also returns false for laws with internal states, and for a DOF whose motion
+// the records do not determine (see SmoothMotion).
 [[nodiscard]] bool DiscoverFromDerivatives(
     const IdentificationProblem& problem, const DiscoveryOptions& options,
     std::vector<DiscoveredEquation>* equations, IdentifiedModel* model,
