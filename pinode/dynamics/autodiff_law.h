@@ -1,5 +1,5 @@
-// Turns a functor on a template scalar into a Law. Include it only where a law
-// is defined, because it includes Ceres' Jets.
+// AutoDiffLaw turns a functor on a template scalar into a Law. Include this
+// header only where a law is defined, because it includes Ceres' Jets.
 
 #ifndef PINODE_DYNAMICS_AUTODIFF_LAW_H_
 #define PINODE_DYNAMICS_AUTODIFF_LAW_H_
@@ -12,15 +12,16 @@
 
 namespace pinode {
 
-// A law from a functor. The functor must have
+// Law from a functor, differentiated automatically. The functor must have
 //
 //   template <typename T>
 //   void operator()(const T* features, const T* internal,
 //                   const T* parameters, T* result) const;
 //
-// with the sizes given as template arguments. result holds the outputs and then
-// the rates of the internal states. The Jets are exactly as wide as the law's
-// own arguments.
+// The template arguments give the number of features, internal states,
+// parameters and outputs. `result` holds kOutputs outputs, then kInternal rates
+// of the internal states. Law describes these arrays and their units. Jets are
+// as wide as the law has arguments, kFeatures + kInternal + kParameters.
 template <typename Functor, int kFeatures, int kInternal, int kParameters,
           int kOutputs>
 class AutoDiffLaw final : public Law {

@@ -1,4 +1,4 @@
-// Features: the arguments of the terms of the equation of motion.
+// Features: scalar arguments of the terms of the equation of motion.
 
 #ifndef PINODE_DYNAMICS_FEATURE_H_
 #define PINODE_DYNAMICS_FEATURE_H_
@@ -10,8 +10,7 @@
 
 namespace pinode {
 
-// One scalar selected from the state, the time or the inputs. With b = kGround
-// the relative quantities refer to the ground, whose relative motion is zero.
+// Scalar selected from the state, the time or the inputs, in the model's units:
 //
 //   displacement      x[a]
 //   velocity          v[a]
@@ -19,6 +18,9 @@ namespace pinode {
 //   deformation rate  v[b] - v[a]
 //   time              t
 //   input             u[input]   (excitation or covariate)
+//
+// If `a` or `b` is kGround, its x and v are zero, because motion is relative to
+// the ground.
 struct Feature {
   enum class Kind {
     kDisplacement,
@@ -35,6 +37,7 @@ struct Feature {
   int b = kGround;  // DOF index; relative quantities only
   int input = -1;   // index into the inputs; kInput only
 
+  // Return a feature of each kind. DOFs and inputs are counted from 0.
   static Feature Displacement(int dof);
   static Feature Velocity(int dof);
   static Feature Deformation(int from, int to);
@@ -42,19 +45,21 @@ struct Feature {
   static Feature Time();
   static Feature Input(int input);
 
+  // True if the feature depends on displacements.
   bool OnDisplacement() const {
     return kind == Kind::kDisplacement || kind == Kind::kDeformation;
   }
+  // True if the feature depends on velocities.
   bool OnVelocity() const {
     return kind == Kind::kVelocity || kind == Kind::kDeformationRate;
   }
 
-  // Returns true if its DOFs or its input exist.
+  // True if the feature's DOFs, or its input, exist in a model of this size.
   [[nodiscard]] bool Exists(int num_dofs, int num_inputs) const;
 
-  // Calls visit(index, sign) for every entry of the state on which the feature
-  // depends. The feature is the sum of sign * state[index]. Time and inputs
-  // depend on no entry.
+  // Calls visit(index, sign) for every entry of the state h = [x; v; z] on
+  // which the feature depends. The feature is the sum of sign * state[index].
+  // Time and inputs depend on no entry.
   template <typename Visitor>
   void ForEachState(int num_dofs, const Visitor& visit) const {
     const int shift = OnVelocity() ? num_dofs : 0;
@@ -74,7 +79,8 @@ struct Feature {
     }
   }
 
-  // Returns the feature's value, on any scalar.
+  // Returns the feature's value for any scalar type. `time` is in the model's
+  // unit of time. `inputs` has one entry per input. `state` is h = [x; v; z].
   template <typename T>
   T Value(int num_dofs, double time, const double* inputs,
           const T* state) const {
@@ -87,17 +93,18 @@ struct Feature {
     return value;
   }
 
-  // Returns the row of the linear map from x (or from v, for velocities) to the
-  // feature, size num_dofs. Zero for time and inputs.
+  // Returns the row (num_dofs entries) that maps x, or v for velocities, to the
+  // feature. The row is zero for time and inputs.
   RowVector Selector(int num_dofs) const;
 
-  // Returns "x[u1]", "v[u1]", "d[u1,u2]", "w[ground,u1]", "t" or
-  // "input[temperature]".
+  // Returns the feature's name: "x[u1]", "v[u1]", "d[u1,u2]" for a deformation,
+  // "w[ground,u1]" for its rate, "t" or "input[temperature]".
   std::string Name(const std::vector<std::string>& dof_names,
                    const std::vector<std::string>& input_names) const;
 };
 
-// Computes the values of all features, one after the other.
+// Writes the values of all features to `values`, which has one entry per
+// feature. Feature::Value describes the arguments.
 template <typename T>
 void GatherFeatures(const std::vector<Feature>& features, int num_dofs,
                     double time, const double* inputs, const T* state,
@@ -107,8 +114,8 @@ void GatherFeatures(const std::vector<Feature>& features, int num_dofs,
   }
 }
 
-// Checks that all features exist. If not, returns false, and *error names the
-// term `name`.
+// Checks that all features exist. On failure returns false, and *error names
+// the term `name` and the feature.
 [[nodiscard]] bool FeaturesExist(const std::string& name,
                                  const std::vector<Feature>& features,
                                  int num_dofs, int num_inputs,

@@ -1,4 +1,4 @@
-// Corrections of M, C and K by groups.
+// Groups: corrections of M, C and K by matrices with unknown factors.
 
 #ifndef PINODE_DYNAMICS_GROUP_TERM_H_
 #define PINODE_DYNAMICS_GROUP_TERM_H_
@@ -10,32 +10,37 @@
 
 namespace pinode {
 
-// A correction alpha * matrix to K, C or M, optionally times
-// (u[covariate] - reference) or (t - reference).
+// Correction alpha * matrix of K, C or M. If it follows the time or a
+// covariate, it is multiplied by (t - reference) or (u[covariate] - reference).
 struct GroupTerm {
+  // Quantity that the correction is proportional to.
   enum class Follows { kNothing, kTime, kCovariate };
   MatrixGroup group;
   Parameter alpha;
   // Multiple of the group's matrix that the model's matrices already contain.
-  // alpha is a change of `present`: 0.1 is a change from 1 to 1.1, unless the
-  // model was updated before.
+  // alpha is the change of this multiple: with present = 1, alpha = 0.1 is a
+  // change from 1 to 1.1. It differs from 1 if the model was updated before.
   double present = 1.0;
   Follows follows = Follows::kNothing;
-  int input = -1;          // kCovariate
-  double reference = 0.0;  // seconds, or the covariate's unit
+  int input = -1;  // index of the covariate; kCovariate only
+  // Value of the time or of the covariate at which the correction is zero, in
+  // its unit.
+  double reference = 0.0;
 };
 
-// All groups of a model. They form one term, because they share the block
-// "groups". Groups that do not follow a covariate or the time change the
-// constant matrices and belong to the linear part. Each of the others adds
+// Term of all groups of a model, which share the parameter block "groups".
+// Groups that follow nothing change the constant matrices and belong to the
+// linear part. Each other group adds
 //
-//   dv/dt += -alpha (followed value) M^-1 matrix x   (v, for damping).
+//   dv/dt += -alpha (followed value - reference) M^-1 matrix x
+//
+// with v in place of x for damping.
 class GroupTerms final : public Term {
  public:
   const std::vector<GroupTerm>& groups() const { return groups_; }
 
-  // Adds a group. Returns false with a sentence in *error, and adds nothing, if
-  // it does not fit.
+  // Adds a group. Adds nothing and returns false, with *error, if its matrix or
+  // its covariate does not fit the model.
   [[nodiscard]] bool Add(GroupTerm group, const StructuralModel& model,
                          int num_inputs, std::string* error);
 

@@ -1,4 +1,4 @@
-// The interface between a user's constitutive law and the identification.
+// Interface between a constitutive law and the identification.
 
 #ifndef PINODE_DYNAMICS_LAW_H_
 #define PINODE_DYNAMICS_LAW_H_
@@ -7,40 +7,44 @@
 
 namespace pinode {
 
-// A force law with optional internal states,
+// Force law with optional internal states,
 //
 //   force     = g(q, z; p)      one value per output
 //   dz/dt     = r(q, z; p)      one value per internal state
 //
-// where q are the features (see Feature), z the internal states of a hysteretic
-// law and p its parameters. AutoDiffLaw (autodiff_law.h) makes implementations
-// from a functor on a template scalar. No code above it is a template. Laws
-// have no mutable state: all functions are safe to call from several threads.
+// q are the features (see Feature), z the internal states of a hysteretic law,
+// and p its parameters, all in the model's units. The law needs no knowledge of
+// these units. AutoDiffLaw (autodiff_law.h) makes a law from a functor on a
+// template scalar. Laws have no mutable state, so all functions may be called
+// from several threads.
 class Law {
  public:
   virtual ~Law() = default;
 
+  // Numbers of entries of q, z and p, and number of outputs. They are constant.
   virtual int num_features() const = 0;
   virtual int num_internal() const = 0;
   virtual int num_parameters() const = 0;
   virtual int num_outputs() const = 0;
-  // Returns true if the law gives no force and has no states for all values of
-  // its parameters.
+  // True if the law has no internal states and its force is zero for all values
+  // of its parameters.
   virtual bool IsIdle() const { return false; }
+  // Numbers of rows and columns of the Jacobian of Linearize().
   int num_results() const { return num_outputs() + num_internal(); }
   int num_arguments() const {
     return num_features() + num_internal() + num_parameters();
   }
 
-  // Computes result: the outputs, then the rates of the internal states.
+  // Computes `result`, num_results() entries: the outputs, then dz/dt. The
+  // other arrays have as many entries as the functions above say.
   virtual void Evaluate(const double* features, const double* internal,
                         const double* parameters, double* result) const = 0;
   virtual void Evaluate(const WideJet* features, const WideJet* internal,
                         const WideJet* parameters, WideJet* result) const = 0;
 
-  // Does what Evaluate does, and computes jacobian (num_results x
-  // num_arguments, row-major): the derivatives with respect to features,
-  // internal states and parameters, in this order.
+  // Computes `result` as Evaluate() does, and its Jacobian, num_results() x
+  // num_arguments(), row-major. Columns are the derivatives with respect to
+  // features, internal states and parameters, in this order.
   virtual void Linearize(const double* features, const double* internal,
                          const double* parameters, double* result,
                          double* jacobian) const = 0;

@@ -1,4 +1,4 @@
-// A law as a term of the equation of motion.
+// Laws as terms of the equation of motion.
 
 #ifndef PINODE_DYNAMICS_LAW_TERM_H_
 #define PINODE_DYNAMICS_LAW_TERM_H_
@@ -13,22 +13,26 @@
 
 namespace pinode {
 
-// A law at its place. `outputs` (num_dofs x law outputs) maps its results to
-// the DOFs.
+// Law and its place in the structure.
 struct LawTerm {
   std::string name;
-  std::string type;  // an element type, "library" (see LibraryLaw), or "user"
-  // Identifier of a user's law, which distinguishes it from others. May be
-  // empty.
+  // Element type, "library" (a sum of functions, see LibraryLaw) or "user".
+  std::string type;
+  // Text that distinguishes a user's law from others. May be empty.
   std::string identity;
   std::shared_ptr<const Law> law;
+  // Arguments of the law, Law::num_features() entries.
   std::vector<Feature> features;
+  // Map from the law's outputs to the DOFs, num_dofs x Law::num_outputs().
   Matrix outputs;
+  // Unit of the outputs: forces, or accelerations.
   ActsAs acts_as = ActsAs::kForce;
+  // Parameters of the law, Law::num_parameters() entries.
   ParameterBlock parameters;
 };
 
-// Creates the term. Its derivatives are those of Law::Linearize.
+// Creates the term. Its derivatives come from Law::Linearize. Term::IsValid
+// checks the sizes.
 std::unique_ptr<Term> MakeTerm(LawTerm law);
 
 }  // namespace pinode

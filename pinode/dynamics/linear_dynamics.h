@@ -1,4 +1,4 @@
-// The linear part of the equation of motion, with constant matrices.
+// Linear part of the equation of motion, with constant matrices.
 
 #ifndef PINODE_DYNAMICS_LINEAR_DYNAMICS_H_
 #define PINODE_DYNAMICS_LINEAR_DYNAMICS_H_
@@ -12,14 +12,14 @@
 
 namespace pinode {
 
-// One entry of the input vector u(t).
+// Meaning of one entry of the input vector u(t), which is in the model's units.
 struct InputSpec {
   enum class Kind {
     kGroundAcceleration,  // index: direction of the structural model
     kForce,               // index: DOF
-    kCovariate,           // a measured quantity that groups or terms follow
+    kCovariate,           // measured quantity that groups or terms follow
     kGroundDisplacement,  // index: direction; for absolute displacements
-    kRecordSwitch,        // one in one record, zero in all others
+    kRecordSwitch,        // 1 in one record, 0 in all others
     // Prescribed motion of a DOF by an actuator, see PrescribedDof. index: DOF.
     kPrescribedDisplacement,
     kPrescribedVelocity,
@@ -30,34 +30,37 @@ struct InputSpec {
   std::string name;
 };
 
-// A DOF p of which displacement, velocity and acceleration are inputs. The
-// state's entries of p are these inputs; its equation of motion says which
-// force moves it. With the mass matrix uncoupled at p, m_p its entry there and
-// a_p the acceleration that the structure would give to p if it were let go,
+// DOF p whose displacement, velocity and acceleration are inputs, as with an
+// actuator. These inputs replace the entries of p in the state. The mass matrix
+// must be uncoupled at p and have the entry m_p there. a_p is the acceleration
+// that p would have if the actuator let it go. The actuator's force is then
 //
 //   f_p = m_p (acceleration - a_p),
 //
-// the force that acts on p beside the measured ones: what a load cell between
-// actuator and structure reads.
+// A load cell between actuator and structure measures this force. Other
+// measured forces at p are not part of it.
 struct PrescribedDof {
+  // Index of the DOF.
   int dof = 0;
-  // Indices into the inputs.
+  // Indices of the inputs that hold its motion.
   int displacement = -1;
   int velocity = -1;
   int acceleration = -1;
 };
 
-// A parameter p that changes a matrix: M, C or K += p * group->matrix. The
-// group lives in the term whose parameter it is.
+// Parameter p that changes M, C or K by p * group->matrix. The term that owns
+// the parameter also owns the group.
 struct MatrixChange {
   const MatrixGroup* group = nullptr;
-  int parameter = 0;  // index in theta; where a term gives it, in its own block
-  int column = -1;    // tangent column, -1 where p is fixed
+  // Index of p in theta. From Term::MatrixChanges(): index in the term's block.
+  int parameter = 0;
+  int column = -1;  // tangent column; -1: p is fixed
 };
 
-// The linear part at one theta.
+// Matrices of the linear part at one theta, each num_dofs x num_dofs unless
+// stated.
 struct LinearSystem {
-  Matrix mass, damping, stiffness;  // with their changes
+  Matrix mass, damping, stiffness;  // including the changes
   Matrix mass_inverse;
   // Acceleration per unit input, num_dofs x inputs.
   Matrix input_map;
@@ -65,27 +68,30 @@ struct LinearSystem {
   Matrix state_jacobian;
 };
 
-// The linear part of the dynamics,
+// Linear part of the dynamics,
 //
 //   dx/dt = v,   M dv/dt = B u(t) - C v - K x,
 //
-// with M, C, K the model's matrices plus the changes p_j M_j, p_j C_j, p_j K_j.
-// B u are the measured forces - (M r + M_fs) a_g. StructuralDynamics adds its
-// terms to this part. The terms define which parameters change the matrices.
+// M, C, K are the model's matrices plus the changes p_j M_j, p_j C_j, p_j K_j.
+// B u is the vector of measured forces minus (M r + M_fs) a_g, with a_g the
+// ground acceleration. The columns of r are the influence vectors, and M_fs
+// couples the masses to the supports (see StructuralModel). StructuralDynamics
+// adds its terms to this part. The terms define the parameters that change the
+// matrices.
 //
-// The acceleration a_f that forces cause has, with respect to the parameter of
-// a change, the derivative
+// The acceleration a_f that all forces cause, also those of terms, has the
+// derivative
 //
 //   d a_f / d p_j = -M^-1 q_j,   q_j = K_j x,  C_j v  or  M_j (a_f + r a_g),
 //
-// where a_f includes all forces, also those of the terms.
+// with respect to parameter p_j, depending on the matrix that it changes.
 class LinearDynamics {
  public:
-  // `model` and `inputs` must be valid, see IsValid.
+  // Creates the linear part. `model` and `inputs` must be valid, see IsValid.
   LinearDynamics(StructuralModel model, std::vector<InputSpec> inputs);
 
-  // Checks the model, and that every input acts on a DOF or in a direction of
-  // it. On failure *error names the mismatch.
+  // Checks the model, and that every input acts on one of its DOFs or
+  // directions. On failure returns false, and *error names the mismatch.
   [[nodiscard]] static bool IsValid(const StructuralModel& model,
                                     const std::vector<InputSpec>& inputs,
                                     std::string* error);
@@ -95,55 +101,60 @@ class LinearDynamics {
   int num_dofs() const { return model_.num_dofs(); }
   int num_inputs() const { return static_cast<int>(inputs_.size()); }
 
+  // Changes of the matrices by parameters.
   const std::vector<MatrixChange>& changes() const { return changes_; }
   void SetChanges(std::vector<MatrixChange> changes);
 
-  // Returns the model with its matrices changed.
+  // Returns the model with its matrices changed by the parameters in theta.
   StructuralModel ChangedModel(const Vector& theta) const;
 
-  // Computes the linear part at theta. Returns false if the changed mass matrix
-  // is not positive definite.
+  // Computes the linear part at theta. Returns false, with *error, if the
+  // changed mass matrix is not positive definite.
   [[nodiscard]] bool Prepare(const Vector& theta, LinearSystem* system,
                              std::string* error) const;
 
-  // Computes rate (2 num_dofs) = d[x; v]/dt without any term, at `system`'s
-  // theta.
+  // Computes `rate` = d[x; v]/dt (2 num_dofs entries) without any term. `input`
+  // has num_inputs() entries. `state` begins with [x; v].
   void Rate(const LinearSystem& system, const double* input,
             const double* state, double* rate) const;
   void Rate(const LinearSystem& system, const double* input,
             const WideJet* state, WideJet* rate) const;
 
-  // Adds, on Jets, the derivatives of the acceleration (num_dofs) with respect
-  // to theta, whose values are those of `system`. `force_acceleration`: the
-  // complete a_f.
+  // Adds to the Jets of `acceleration` (num_dofs) their derivatives with
+  // respect to theta through the matrices. The values of `theta` must be those
+  // of `system`. `force_acceleration` (num_dofs) is the complete a_f.
   void AddVariation(const LinearSystem& system, const double* input,
                     const WideJet* state, const WideJet* theta,
                     const WideJet* force_acceleration,
                     WideJet* acceleration) const;
 
-  // Computes the free changes' forces q_j at one point, num_dofs x
-  // num_free_changes.
+  // Number of changes whose parameter is free.
   int num_free_changes() const {
     return static_cast<int>(free_changes_.size());
   }
+  // Computes the vectors q_j of the free changes at one point. `forces` is
+  // num_dofs x num_free_changes().
   void ChangeForces(const double* input, const double* state,
                     const Vector& force_acceleration, Matrix* forces) const;
 
-  // Adds left * [0; -M^-1 q_j; 0] to the tangent column of each free change.
-  // left: rows x num_states; result: rows x tangent columns.
+  // Working memory of AddParameterTangents().
   struct TangentScratch {
     Matrix velocity_map;  // rows x num_dofs
     Matrix product;       // rows x num_free_changes
   };
+  // Allocates working memory for `rows` rows of `left`.
   TangentScratch MakeTangentScratch(int rows) const;
+  // Adds left * [0; -M^-1 q_j; 0] to the tangent column of each free change.
+  // `forces` holds the q_j. `left` is rows x num_states. `result` is rows x
+  // tangent columns, stored by columns.
   void AddParameterTangents(const LinearSystem& system, const Matrix& forces,
                             const Matrix& left, TangentScratch* scratch,
                             double* result) const;
 
-  // Handles the linear part alone, dh/dt = A [h; u], with A: 2 num_dofs x (2
-  // num_dofs + inputs). Adds the derivative of A with respect to each free
-  // change to the matrix of its tangent column. The cost is that of the nonzero
-  // rows and columns of the change.
+  // Adds derivatives of A in dh/dt = A [h; u], the linear part alone. A is 2
+  // num_dofs x (2 num_dofs + num_inputs()). The derivative with respect to each
+  // free change is added to the matrix of its tangent column. The cost is
+  // proportional to the nonzero rows and columns of the changes.
   void AddRateDerivatives(const LinearSystem& system,
                           std::vector<Matrix>* derivatives) const;
 

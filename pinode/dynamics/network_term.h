@@ -1,4 +1,4 @@
-// A network as a term of the equation of motion.
+// Networks as terms of the equation of motion.
 
 #ifndef PINODE_DYNAMICS_NETWORK_TERM_H_
 #define PINODE_DYNAMICS_NETWORK_TERM_H_
@@ -13,33 +13,35 @@
 
 namespace pinode {
 
-// A network at its place.
+// Network and its place in the structure.
 struct NetworkTerm {
   using ActsAs = pinode::ActsAs;
   std::string name;
+  // Network, and its inputs in their order.
   std::shared_ptr<const Network> network;
   std::vector<Feature> features;
-  Matrix outputs;  // num_dofs x network outputs
+  // Map from the network's outputs to the DOFs, num_dofs x outputs.
+  Matrix outputs;
   std::vector<std::string> output_names;
+  // Unit of the outputs: accelerations, or forces.
   ActsAs acts_as = ActsAs::kAcceleration;
   ParameterBlock weights;
-  // Weight decay: the precision of a zero-mean Gaussian prior. Negative: the
-  // evidence chooses it.
+  // Weight decay: precision (1 / variance) of the weights' Gaussian prior with
+  // mean zero. Negative: the evidence chooses it (MacKay 1992).
   double decay = -1.0;
   // True if the weights are random and may be drawn again for a simpler
   // network. False if they were learned before.
   bool drawn = true;
 };
 
-// Returns true for a network that depends on time alone and acts as a force.
-// Such a network is an unknown force.
+// True for a network that depends on time alone and acts as a force. Such a
+// network is an unknown force.
 bool IsForceOfTime(const NetworkTerm& term);
 
-// Creates the term. Its weights' tangents are one small matrix product per
-// layer for all stages together. If all weights are free, as in most cases, the
-// product is written directly to its columns. If some are fixed, all are
-// computed separately and the free ones are copied, which costs less than
-// products of half layers.
+// Creates the term. Term::IsValid checks sizes and features. The derivatives
+// with respect to the weights cost one small matrix product per layer, for all
+// stages of a step together. If some weights are fixed, the derivatives of all
+// weights are computed, and those of the free ones are copied.
 std::unique_ptr<Term> MakeTerm(NetworkTerm network);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// Measured channels as functions of the state.
+// Measured channels as linear functions of state, acceleration and inputs.
 
 #ifndef PINODE_DYNAMICS_OBSERVATION_H_
 #define PINODE_DYNAMICS_OBSERVATION_H_
@@ -11,80 +11,90 @@
 
 namespace pinode {
 
+// Quantity that a channel measures. x, v, a: motion relative to the ground;
+// a_g, x_g: acceleration and displacement of the ground; r: influence vectors.
 enum class Quantity {
-  kDisplacement,          // x, relative to the ground
-  kVelocity,              // v, relative to the ground
+  kDisplacement,          // x
+  kVelocity,              // v
   kRelativeAcceleration,  // a
   kAbsoluteAcceleration,  // a + r a_g
   kAbsoluteDisplacement,  // x + r x_g; needs the ground displacement as input
   kForce,                 // force on a DOF of prescribed motion
-  kStrain,                // of x, see AxialStrain and BendingStrain
+  kStrain,                // strain; see AxialStrain, BendingStrain
 };
 
-// Returns the name as in case files, "displacement" and so on.
+// Returns the name as in case files, such as "absolute_acceleration".
 const char* QuantityName(Quantity quantity);
+// Finds the quantity with this name. Returns false if there is none, and *error
+// then lists the names.
 [[nodiscard]] bool ParseQuantity(const std::string& name, Quantity* quantity,
                                  std::string* error);
 
-// One channel: a linear combination of one quantity over the DOFs,
+// Channel: a linear combination of one quantity over the DOFs,
 //
 //   y = sum_i w_i quantity_i,
 //
-// in the model's units. A sensor at one DOF has one weight 1. A strain gauge or
-// a relative displacement sensor has several. The weights of a strain make it
-// dimensionless.
+// in the model's units. A sensor at one DOF has one weight, 1. A strain gauge
+// or a sensor of relative displacement has several. The weights of a strain
+// make it dimensionless.
 struct Observation {
   std::string name;
   Quantity quantity = Quantity::kDisplacement;
-  Vector weights;  // num_dofs
+  Vector weights;  // one per DOF
 };
 
-// Return the weights of a strain gauge. Its ends move apart by sum_i c_i x_i,
-// with `combination` c (num_dofs), over its `gauge_length` > 0:
+// Return the weights (num_dofs) of a strain gauge with the length
+// `gauge_length` > 0. sum_i c_i x_i, with `combination` c (num_dofs), is the
+// difference of the displacements u, or rotations r, of its two ends:
 //
 //   axial, of displacements         (u_2 - u_1) / gauge_length,
 //   bending, of rotations r = dv/dx  -distance (r_2 - r_1) / gauge_length
 //
-// where `distance`, not 0, is the distance from the neutral axis, positive on
-// the side of positive deflection v. The result is the mean strain over the
-// gauge.
+// The distance of the gauge from the neutral axis is `distance`, not 0. It is
+// positive on the side of positive deflection v. The result is the mean strain
+// over the gauge. All lengths are in the model's unit.
 Vector AxialStrain(const Vector& combination, double gauge_length);
 Vector BendingStrain(const Vector& combination, double distance,
                      double gauge_length);
 
-// All channels of a record as linear maps of state, acceleration and inputs,
+// Channels of a record as linear maps of the state h, the acceleration a and
+// the inputs u,
 //
 //   y = H_h h + H_a a(h, u; theta) + H_u u,
 //
-// where a is the acceleration part of dh/dt. The maps do not depend on the
-// parameters; a does.
+// a is the acceleration part of dh/dt. It depends on the parameters theta; the
+// maps do not.
 class ObservationMap {
  public:
   ObservationMap() = default;
+  // Creates the maps. `observations` must fit the dynamics: as many weights as
+  // DOFs, and the inputs that their quantities need.
   ObservationMap(const StructuralDynamics& dynamics,
                  const std::vector<Observation>& observations);
 
   int num_channels() const { return static_cast<int>(state_map_.rows()); }
-  // Returns true if some channel needs the acceleration.
+  // True if a channel needs the acceleration.
   bool uses_acceleration() const { return !acceleration_rows_.empty(); }
 
-  // Computes y (num_channels) from the state and its rate at one instant.
+  // Computes `y` (num_channels() entries) from the state, its rate (num_states
+  // each) and the inputs (num_inputs) at one instant.
   void Observe(const double* state, const double* rate, const double* input,
                double* y) const;
 
-  // Computes d y / d state for the linearised dynamics, num_channels x
-  // num_states.
+  // Computes d y / d state, num_channels() x num_states, for the linearised
+  // dynamics.
   void StateJacobian(const StructuralDynamics::Linearization& at,
                      Matrix* jacobian) const;
 
-  // Rows of the channels with accelerations, and the map from the rate of the
-  // state to them (acceleration rows x num_states). The parameters' direct
-  // effect on the channels is rate_map * (d rate / d theta).
+  // Indices of the channels that need the acceleration, and the map from the
+  // rate of the state to them, acceleration_rows().size() x num_states. These
+  // channels depend on the parameters directly, with the derivative rate_map()
+  // * (d rate / d theta).
   const std::vector<int>& acceleration_rows() const {
     return acceleration_rows_;
   }
   const Matrix& rate_map() const { return rate_map_; }
-  // H_h and H_u.
+  // Maps H_h (channels x states) and H_u (channels x inputs).
   const Matrix& state_map() const { return state_map_; }
   const Matrix& input_map() const { return input_map_; }
 

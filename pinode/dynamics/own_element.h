@@ -1,5 +1,5 @@
-// User-written elements. An element is a functor on a template scalar, as for
-// AutoDiffLaw, in its own source file:
+// Elements that users write. An element is a functor on a template scalar, as
+// for AutoDiffLaw, in a source file of its own:
 //
 //   #include <pinode/dynamics/own_element.h>
 //
@@ -27,9 +27,9 @@
 //   c++ -std=c++17 -O2 -shared -fPIC -I/usr/include/eigen3
 //       -o sticky.so sticky.cc
 //
-// and name it in a case: `type = "sticky"`, `file = "sticky.so"`. Compiled for
-// one kind of processor (-march) it needs ElementCompilerFlags, which the CMake
-// target pinode::dynamics provides.
+// and name it in a case: `type = "sticky"`, `file = "sticky.so"`. If you
+// compile for one kind of processor (-march), also pass the flags of
+// ElementCompilerFlags(). The CMake target pinode::dynamics provides them.
 
 #ifndef PINODE_DYNAMICS_OWN_ELEMENT_H_
 #define PINODE_DYNAMICS_OWN_ELEMENT_H_
@@ -55,6 +55,9 @@ inline unsigned long ElementInterface() {
          sizeof(WideJet);
 }
 
+// Adds an element type to a library. Functor is the law, with features
+// deformation and deformation rate, kInternal internal states, kParameters
+// parameters and one output, the force. `parameters` has kParameters entries.
 template <typename Functor, int kInternal, int kParameters>
 void AddElement(const std::string& type,
                 std::vector<ElementParameterInfo> parameters,

@@ -1,5 +1,5 @@
-// The right-hand side dh/dt of the structure, including all possible unknowns,
-// and its derivatives.
+// Right-hand side dh/dt of the structure's equation of motion, including all
+// unknowns, and its derivatives.
 
 #ifndef PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
 #define PINODE_DYNAMICS_STRUCTURAL_DYNAMICS_H_
@@ -23,23 +23,29 @@
 
 namespace pinode {
 
-// The equation of motion of Lai et al. (2021), eqs. (5), (13), (15), (18), in
-// first-order form with state h = [x; v; z]:
+// Equation of motion of Z. Lai et al. (2021), eqs. (5), (13), (15) and (18), in
+// first-order form with the state h = [x; v; z]:
 //
 //   M a + C v + K x = B u(t) - sum_j S_j g_j(q_j)      (forces)
 //                            + sum_j s_j F_j(t)        (unknown forces)
 //   dx/dt = v,  dv/dt = a + sum_j S_j g_j(q_j)         (accelerations)
 //   dz/dt = r(q, z)                                    (hysteretic laws)
 //
-// with M, C, K the model's matrices plus group corrections, and B u = -(M r +
-// M_fs) a_g for ground motion. Measured forces may have an unknown scale.
-// LinearDynamics is the part that is linear with constant matrices. Everything
-// else is a list of terms (term.h). This class combines them. For DOFs with
-// prescribed motion, rates are those at the prescribed state, whatever the
-// state contains. Integrators call Prescribe after each step.
+// x and v are displacements and velocities relative to the ground, z the
+// internal states of hysteretic laws. M, C, K are the model's matrices plus the
+// corrections by groups. For ground motion B u = -(M r + M_fs) a_g, see
+// LinearDynamics. Measured forces may have an unknown scale. All quantities are
+// in the model's units.
 //
-// Build it once, add the terms, then only read: all const functions are safe to
-// call from several threads, each with its own Linearization objects.
+// LinearDynamics is the linear part with constant matrices. Everything else is
+// a list of terms (term.h). This class combines both.
+//
+// If the motion of a DOF is prescribed, rates are computed at the prescribed
+// state, whatever the state contains. Integrators call Prescribe() after each
+// step.
+//
+// Create the object, add the terms, then only read it. All const functions may
+// be called from several threads, each with its own Linearization objects.
 class StructuralDynamics {
  public:
   // Creates the dynamics from a valid model and valid inputs
@@ -57,27 +63,30 @@ class StructuralDynamics {
   StructuralDynamics(StructuralDynamics&& other) = default;
   StructuralDynamics& operator=(StructuralDynamics&& other) = default;
 
-  // Each function adds a term. It returns false with a sentence in *error, and
-  // adds nothing, if sizes, features, DOFs or parameters do not fit.
+  // Add a term. If sizes, features, DOFs or parameters do not fit, they add
+  // nothing and return false, with a sentence in *error.
   [[nodiscard]] bool AddGroup(GroupTerm term, std::string* error);
   [[nodiscard]] bool AddLaw(LawTerm term, std::string* error);
   [[nodiscard]] bool AddUnknownForce(UnknownForceTerm term, std::string* error);
-  // Adds a curve to an existing group; see GroupCurve.
+  // Adds a curve to an existing group, see GroupCurve.
   [[nodiscard]] bool AddGroupCurve(GroupCurve curve, std::string* error);
   [[nodiscard]] bool AddForceScale(ForceScaleTerm term, std::string* error);
   [[nodiscard]] bool AddNetwork(NetworkTerm term, std::string* error);
-  // Sets the scales of an existing network, see NetworkArchitecture: empty, or
-  // one positive number per input and output. Returns false with a sentence in
-  // *error, and changes nothing, if there is no such network or a scale is not
-  // valid.
+  // Sets the scales of an existing network, see NetworkArchitecture. `network`
+  // counts from 0. `input` and `output` have one positive number per input or
+  // output, or are empty. Changes nothing and returns false, with *error, if
+  // there is no such network or a scale is not valid.
   [[nodiscard]] bool SetNetworkScales(int network, const Vector& input,
                                       const Vector& output, std::string* error);
-  // Adds a named element between two DOFs, see MakeElement.
+  // Adds an element of a type such as "cubic" between two DOFs, see
+  // MakeElement. `from` and `to` are indices of DOFs or Feature::kGround.
+  // `values` are its parameters in the model's units. Fails as the functions
+  // above.
   [[nodiscard]] bool AddElement(const std::string& name,
                                 const std::string& type, int from, int to,
                                 const std::vector<double>& values,
                                 std::string* error);
-  // Adds a term of any kind.
+  // Adds a term of any kind. Fails as the functions above.
   [[nodiscard]] bool AddTerm(std::unique_ptr<Term> term, std::string* error);
 
   const LinearDynamics& linear_dynamics() const { return linear_; }
@@ -85,7 +94,8 @@ class StructuralDynamics {
   const std::vector<InputSpec>& inputs() const { return linear_.inputs(); }
   // DOFs with prescribed motion.
   const std::vector<PrescribedDof>& prescribed() const { return prescribed_; }
-  // Writes the prescribed motion at an instant into a state.
+  // Writes the prescribed motion at an instant into `state` (num_states()
+  // entries). `input` has num_inputs() entries.
   template <typename T>
   void Prescribe(const double* input, T* state) const {
     for (const PrescribedDof& p : prescribed_) {
@@ -93,10 +103,12 @@ class StructuralDynamics {
       state[num_dofs() + p.dof] = T(input[p.velocity]);
     }
   }
-  // Sets the prescribed rows in the sensitivities (num_states rows) of a state
-  // to zero, after Prescribe: the prescribed motion depends on no parameter.
+  // Sets the rows of prescribed DOFs to zero in the sensitivities of a state
+  // (num_states() rows). Call it after Prescribe(): prescribed motion depends
+  // on no parameter.
   void PrescribeSensitivity(Matrix* sensitivity) const;
 
+  // Terms of each kind, in the order in which they were added.
   const std::vector<GroupTerm>& groups() const;
   TermRange<LawTerm> laws() const { return Range<LawTerm>(TermKind::kLaw); }
   TermRange<UnknownForceTerm> unknown_forces() const {
@@ -111,41 +123,42 @@ class StructuralDynamics {
   TermRange<NetworkTerm> networks() const {
     return Range<NetworkTerm>(TermKind::kNetwork);
   }
-  // All terms, in the order of their blocks: block b is that of term b.
+  // All terms, in the order of their parameter blocks: term(b) has blocks()[b].
   int num_terms() const { return static_cast<int>(terms_.size()); }
   const Term& term(int term) const { return *terms_[Index(term)]; }
 
-  // Returns true if dh/dt = F h + G u with constant F and G. This holds if
-  // there are only groups that follow nothing and idle laws, and no prescribed
-  // motion.
+  // True if dh/dt = F h + G u with constant F and G. This holds if no motion is
+  // prescribed, and all terms are idle laws or groups that follow nothing.
   bool IsLinear() const;
 
-  // Returns a copy with the same parameters in which groups follow nothing.
-  // Each group has its mean value over the samples of all inputs. To first
-  // order, a stationary motion shows this mean of small slow changes of the
-  // matrices. Groups that follow the time are unchanged if no time is given.
+  // Returns a copy with the same parameters in which groups follow nothing. The
+  // value that a group follows is replaced by its mean over the samples in
+  // `over`. If the matrices change little and slowly, stationary motion depends
+  // on this mean, to first order. Groups that follow the time are unchanged if
+  // `over` has no time.
   StructuralDynamics Averaged(const Conditions& over) const;
   // Returns the names of the parameters by which groups follow covariates.
   std::vector<std::string> CovariateParameters() const;
-  // Returns a copy in which `change` was applied to the parameters of groups
-  // and of their curves. It may change values, or which parameters are free (in
-  // a curve all of them or none).
+  // Returns a copy in which `change` was applied to each parameter of the
+  // groups and of their curves. `change` may set values and may free or fix
+  // parameters. Free all parameters of a curve or none.
   StructuralDynamics WithGroupParameters(
       const std::function<void(Parameter*)>& change) const;
 
   int num_dofs() const { return linear_.num_dofs(); }
+  // Number of internal states z, and length of h.
   int num_internal() const { return num_internal_; }
   int num_states() const { return 2 * num_dofs() + num_internal_; }
   int num_inputs() const { return linear_.num_inputs(); }
-  // Returns "x[u1]", "v[u1]", "z[name]".
+  // Returns the names of the entries of h: "x[u1]", "v[u1]", "z[name]".
   std::vector<std::string> StateNames() const;
 
-  // Blocks of the flat parameter vector theta: one block for all groups (named
-  // "groups"; absent without groups), one per law, one per unknown force, one
-  // per curve of a group, one per force scale, one per term of another kind,
-  // one per network.
+  // Blocks of the vector theta of all parameters, one per term. They come in
+  // this order: "groups" (all groups; absent without groups), laws, unknown
+  // forces, curves of groups, force scales, terms of other kinds, networks.
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
-  // Indices of the terms' blocks.
+  // Indices in blocks() of the blocks of such terms. The arguments count terms
+  // of one kind from 0.
   int unknown_force_block(int force) const {
     return FirstOf(TermKind::kUnknownForce) + force;
   }
@@ -158,82 +171,92 @@ class StructuralDynamics {
   int network_block(int network) const {
     return FirstOf(TermKind::kNetwork) + network;
   }
+  // Index in theta of the first parameter of a block.
   int block_offset(int block) const { return offsets_[Index(block)].parameter; }
   int num_parameters() const { return num_parameters_; }
+  // Current values of theta, num_parameters() entries in the parameters' units,
+  // and their replacement.
   Vector Parameters() const;
   void SetParameters(const Vector& theta);
 
-  // Free parameters, in their order: tangent_columns()[j] is the index in theta
-  // of tangent column j.
+  // Indices in theta of the free parameters. Derivatives with respect to
+  // parameters have one column, a tangent column, for each of them.
   const std::vector<int>& tangent_columns() const { return tangent_columns_; }
   int num_tangent_columns() const {
     return static_cast<int>(tangent_columns_.size());
   }
 
-  // All quantities that depend on theta alone.
+  // Quantities that depend on theta alone.
   struct Prepared {
     Vector theta;
     LinearSystem linear;
     std::vector<std::unique_ptr<TermPrepared>> terms;
   };
-  // Computes these quantities. Returns false with a sentence if the corrected
-  // mass matrix is not positive definite, or if the size of theta is not
-  // num_parameters.
+  // Computes the quantities that depend on theta alone. Returns false, with
+  // *error, if theta has not num_parameters() entries or the corrected mass
+  // matrix is not positive definite.
   [[nodiscard]] bool Prepare(const Vector& theta, Prepared* prepared,
                              std::string* error) const;
-  // Derivative of dv/dt with respect to the outputs of a network, num_dofs x
-  // outputs.
+  // Derivative of dv/dt with respect to the outputs of a network, num_dofs() x
+  // outputs. `network` counts from 0.
   const Matrix& NetworkMap(const Prepared& prepared, int network) const {
     return prepared.terms[Index(network_block(network))]->output_map;
   }
 
-  // The dynamics linearised at one (t, h, u), as stored for a Runge-Kutta
-  // stage.
+  // Dynamics linearised at one time, state and input. Integrators store one for
+  // each Runge-Kutta stage.
   struct Linearization {
     Vector rate;      // dh/dt
-    Matrix jacobian;  // d rate / d h
-    // Factored derivative with respect to theta, see AddParameterTangents.
-    Vector force_acceleration;  // a without accelerating terms
+    Matrix jacobian;  // d rate / d h, num_states() x num_states()
+    // Factors of the derivative with respect to theta, see
+    // AddParameterTangents.
+    Vector force_acceleration;  // a: acceleration due to forces
     Matrix change_forces;       // see LinearDynamics::ChangeForces
-    Vector prescribed_state;    // empty without prescribed motion
+    Vector prescribed_state;    // empty if no DOF is prescribed
     std::vector<std::unique_ptr<TermLinearization>> terms;
   };
+  // Allocates a linearization.
   Linearization MakeLinearization() const;
 
-  // Computes rate, num_states values.
+  // Computes `rate` = dh/dt (num_states() entries). `time` is in the model's
+  // unit. `input` has num_inputs() entries, `state` num_states(). *scratch is
+  // working memory.
   void Rate(const Prepared& prepared, double time, const double* input,
             const double* state, double* rate, Linearization* scratch) const;
 
-  // Fills *linearization. Allocates no memory.
+  // Fills *linearization, which MakeLinearization() made. Allocates no memory.
+  // The other arguments are those of Rate().
   void Linearize(const Prepared& prepared, double time, const double* input,
                  const double* state, Linearization* linearization) const;
 
-  // Working memory of AddParameterTangents for a given number of rows.
+  // Working memory of AddParameterTangents() for a given number of rows.
   struct TangentScratch {
     int rows = 0;
     LinearDynamics::TangentScratch linear;
     std::vector<std::unique_ptr<TermTangentScratch>> terms;
   };
+  // Allocates working memory for `rows` rows.
   TangentScratch MakeTangentScratch(int rows) const;
 
-  // Computes *result += sum_s left_s * (d rate / d theta)_s over up to four
-  // points, with left_s of rows x num_states and result of rows x
-  // num_tangent_columns. Networks contribute one small matrix product per layer
-  // for all points together. Allocates no memory.
+  // Adds sum_s left_s (d rate / d theta)_s to *result, summed over num_points
+  // <= 4 points. `points` and `lefts` have num_points entries. Each left_s is
+  // rows x num_states(). `result` is rows x num_tangent_columns(), stored by
+  // columns. Allocates no memory.
   void AddParameterTangents(const Prepared& prepared,
                             const Linearization* const* points,
                             const Matrix* const* lefts, int num_points,
                             TangentScratch* scratch, double* result) const;
 
-  // Computes the same right-hand side on Jets, for derivatives = "jets".
-  // `theta` are wide Jets with the values of `prepared`.
+  // Computes the same `rate` on Jets, for `derivatives = "jets"`. `theta` has
+  // num_parameters() Jets, whose values must be those of `prepared`.
   void Rate(const Prepared& prepared, double time, const double* input,
             const WideJet* state, const WideJet* theta, WideJet* rate) const;
 
   // Returns the model with M, C, K corrected by the groups that follow nothing.
+  // `theta` has num_parameters() entries.
   StructuralModel CorrectedModel(const Vector& theta) const;
-  // Returns the same model with the DOFs of prescribed motion fixed, for modes.
-  // It may have no DOF left.
+  // Returns the corrected model without the DOFs of prescribed motion, which
+  // are fixed. Use it for modes. The model may have no DOF left.
   StructuralModel HeldModel(const Vector& theta) const;
 
  private:

@@ -1,5 +1,4 @@
-// The interface between the terms of the equation of motion and the
-// integrators.
+// Interface between the terms of the equation of motion and the integrators.
 
 #ifndef PINODE_DYNAMICS_TERM_H_
 #define PINODE_DYNAMICS_TERM_H_
@@ -20,13 +19,13 @@
 
 namespace pinode {
 
-// Effect of a term's result: as an acceleration, outputs * result is added to
-// dv/dt; as a force it resists, that is, outputs * result is subtracted from
-// the right-hand side of the equation of motion.
+// Effect of a term's result. kAcceleration: outputs * result is added to dv/dt.
+// kForce: outputs * result is a resisting force, subtracted from the right-hand
+// side of M dv/dt = ...
 enum class ActsAs { kAcceleration, kForce };
 
-// The kinds in the order in which their parameters stand in theta. kOther is
-// for terms that the library does not know.
+// Kinds of terms, in the order of their parameters in theta. kOther is for
+// terms that the library does not know.
 enum class TermKind {
   kGroups,
   kLaw,
@@ -37,47 +36,50 @@ enum class TermKind {
   kNetwork
 };
 
-// Position of a term in the state h = [x; v; z].
+// Place of a term's internal states in the state h = [x; v; z].
 struct TermPlace {
   int num_dofs = 0;
-  int first_internal = 0;  // index in h of its first internal state
+  int first_internal = 0;  // index in h of the first one
 };
 
-// The point at which a term is evaluated.
+// Point at which a term is evaluated, in the model's units.
 template <typename T>
 struct TermPoint {
   TermPlace place;
   double time = 0.0;
+  // Inputs u, num_inputs entries.
   const double* input = nullptr;
-  const T* state = nullptr;       // all of h
-  const T* parameters = nullptr;  // the term's own block
+  const T* state = nullptr;       // h, num_states entries
+  const T* parameters = nullptr;  // of the term's own block
 
   const T* displacement() const { return state; }
   const T* velocity() const { return state + place.num_dofs; }
   const T* internal() const { return state + place.first_internal; }
 };
 
-// The sums to which a term adds its part.
+// Sums to which a term adds its part.
 template <typename T>
 struct TermRate {
-  T* acceleration = nullptr;  // dv/dt, num_dofs
-  // dv/dt without the terms that act as an acceleration, num_dofs. Add the
-  // effect of each force here too, because corrections of the mass refer to it.
+  T* acceleration = nullptr;  // dv/dt, num_dofs entries
+  // dv/dt without the terms that act as an acceleration, num_dofs entries. A
+  // force must be added here too, because corrections of the mass use this sum.
   T* force_acceleration = nullptr;
-  T* internal = nullptr;  // dz/dt of the term's states; set it
+  // dz/dt of the term's own internal states. The term sets it, and does not
+  // add.
+  T* internal = nullptr;
 };
 
-// Data that a term computes once for each theta from its parameters and the
-// mass.
+// Data that a term computes once for each theta, from its parameters and the
+// mass matrix.
 struct TermPrepared {
   virtual ~TermPrepared() = default;
-  // Derivative of dv/dt with respect to the term's results, num_dofs x results,
-  // if it has any; see AccelerationMap.
+  // Derivative of dv/dt with respect to the term's results, num_dofs x results.
+  // Empty for a term without results. See AccelerationMap.
   Matrix output_map;
 };
 
-// Data of a linearisation that a term keeps for its parameter tangents, and its
-// scratch memory.
+// Data that a term keeps from a linearisation for its parameter tangents, and
+// working memory. Tangents are derivatives with respect to free parameters.
 struct TermLinearization {
   virtual ~TermLinearization() = default;
 };
@@ -87,14 +89,15 @@ struct TermTangentScratch {
   virtual ~TermTangentScratch() = default;
 };
 
-// Data over which StructuralDynamics::Averaged takes its means.
+// Data that StructuralDynamics::Averaged averages over.
 struct Conditions {
   Matrix inputs;               // inputs x samples
-  std::optional<double> time;  // mean time; none: no average over time
+  std::optional<double> time;  // mean time; none: not averaged
 };
 
-// One term of the equation of motion. StructuralDynamics combines the terms: it
-// assigns their places and passes each its own part of state and parameters.
+// Term of the equation of motion. StructuralDynamics combines the terms. It
+// assigns their places, and passes each term its own part of the state and of
+// the parameters.
 //
 // To add a kind of term:
 //
@@ -106,16 +109,17 @@ struct Conditions {
 // 2. Give it a line in TermKind if it needs its own place in theta and a list
 //    like StructuralDynamics::laws().
 //
-// Without step 2, pass it to StructuralDynamics::AddTerm as kOther, from any
-// file. A force that is a formula of its features needs no new term: it is a
-// Law.
+// Without step 2 the term has the kind kOther. Any file can pass it to
+// StructuralDynamics::AddTerm. A force that is a formula of its features needs
+// no new kind of term: it is a Law.
 //
-// All const functions are safe to call from several threads, each with its own
-// linearisations and scratch memory. Rate, Linearize and AddParameterTangents
-// run inside the integrator and allocate no memory, except on Jets.
+// All const functions may be called from several threads, each with its own
+// linearisations and working memory. AddRate, Linearize and
+// AddParameterTangents run inside the integrator. They must not allocate
+// memory, except on Jets.
 class Term {
  public:
-  // Number of stages of a Runge-Kutta step.
+  // Largest number of stages of a Runge-Kutta step.
   static constexpr int kMostStages = 4;
 
   virtual ~Term() = default;
@@ -123,39 +127,42 @@ class Term {
   virtual std::unique_ptr<Term> Clone() const = 0;
 
   // Checks sizes, features and parameters against the model and the number of
-  // inputs. On failure *error names the term and the mismatch. No other
-  // function except parameters() may be called before.
+  // inputs. On failure returns false, and *error names the term and the
+  // mismatch. Call it before any other function except parameters().
   [[nodiscard]] virtual bool IsValid(const StructuralModel& model,
                                      int num_inputs,
                                      std::string* error) const = 0;
 
-  // Unknowns of the term, one block. The free ones have tangent columns.
+  // Unknowns of the term in one block, and the replacement of their values.
+  // Free parameters have tangent columns.
   virtual const ParameterBlock& parameters() const = 0;
   virtual void SetParameters(const Vector& values) = 0;
-  // Returns the names of the internal states z, "z[...]".
+  // Returns the names "z[...]" of the internal states, one each.
   virtual std::vector<std::string> InternalNames() const { return {}; }
 
-  // Returns the term's changes of the constant matrices. The linear part
-  // handles them, including their tangents. The functions below leave them out.
+  // Returns the term's changes of the constant matrices. LinearDynamics applies
+  // them and computes their tangents. The functions below do not include them.
   virtual std::vector<MatrixChange> MatrixChanges() const { return {}; }
-  // Returns true if the term has no other effect.
+  // True if the term does nothing but change the constant matrices.
   virtual bool IsConstant() const { return false; }
-  // Returns a copy in which matrices that follow something have their constant
-  // mean value.
+  // Returns a copy in which matrices that follow an input or the time are
+  // constant. Their values are the means over `over`.
   virtual std::unique_ptr<Term> Averaged(const Conditions& /*over*/) const {
     return Clone();
   }
 
-  // Computes the data for values of its parameters. `linear` includes the
-  // changes of all terms.
+  // Computes the data that depend on theta alone. `parameters` are those of the
+  // term's own block. `linear` includes the changes of all terms.
   virtual std::unique_ptr<TermPrepared> Prepare(
       const LinearSystem& linear, const double* parameters) const = 0;
 
+  // Allocates memory for a linearisation.
   virtual std::unique_ptr<TermLinearization> MakeLinearization(
       const TermPlace& place) const = 0;
 
-  // Adds the term's rate. The parameters are those of `prepared`; on Jets they
-  // have derivatives.
+  // Adds the term's part of dh/dt to *rate. The parameters in `at` have the
+  // values that `prepared` was computed for. On Jets they also have
+  // derivatives.
   virtual void AddRate(const TermPrepared& prepared,
                        const TermPoint<double>& at, TermRate<double>* rate,
                        TermLinearization* scratch) const = 0;
@@ -163,18 +170,19 @@ class Term {
                        const TermPoint<WideJet>& at,
                        TermRate<WideJet>* rate) const = 0;
 
-  // Does what AddRate does, and adds d rate / d h to *jacobian, num_states x
-  // num_states.
+  // Adds the term's rate as AddRate does, and d rate / d h to *jacobian,
+  // num_states x num_states. Stores in *kept what AddParameterTangents needs.
   virtual void Linearize(const TermPrepared& prepared,
                          const TermPoint<double>& at, TermRate<double>* rate,
                          Matrix* jacobian, TermLinearization* kept) const = 0;
 
-  // Returns working memory for products with `rows` rows.
+  // Allocates working memory for products with `rows` rows.
   virtual std::unique_ptr<TermTangentScratch> MakeTangentScratch(
       const TermPlace& place, int rows) const = 0;
 
-  // Computes result (rows x free parameters) += sum_s left_s (d rate / d p)_s
-  // over up to kMostStages stages, with left_s of rows x num_states.
+  // Adds sum_s left_s (d rate / d p)_s to `result`, summed over num_stages <=
+  // kMostStages stages. Each left_s is rows x num_states. `result` is rows x
+  // free parameters of the term, stored by columns.
   virtual void AddParameterTangents(const TermPlace& place,
                                     const TermPrepared& prepared,
                                     const TermLinearization* const* stages,
@@ -183,7 +191,7 @@ class Term {
                                     double* result) const = 0;
 };
 
-// A term that a plain struct describes.
+// Base of terms that a plain struct describes.
 template <typename Description>
 class TermOf : public Term {
  public:
@@ -196,7 +204,7 @@ class TermOf : public Term {
   Description description_;
 };
 
-// The terms of one kind, as a range of their descriptions. It has the reading
+// Range of the descriptions of all terms of one kind. It has the reading
 // interface of a vector.
 template <typename Description>
 class TermRange {
@@ -247,9 +255,10 @@ class TermRange {
   size_t size_;
 };
 
-// Returns the tangent column of each parameter within its term, -1 for a fixed
-// parameter, and the number of columns.
+// Returns the tangent column of each parameter within its term, or -1 for a
+// fixed parameter. One entry per parameter.
 std::vector<int> TangentColumns(const ParameterBlock& block);
+// Returns the number of free parameters, that is, of tangent columns.
 int NumFree(const ParameterBlock& block);
 
 }  // namespace pinode

@@ -13,14 +13,15 @@
 
 namespace pinode {
 
-// A force F(t; p). At any instant it depends on a few neighbouring parameters
-// only. It has no mutable state: safe to call from several threads.
+// Force F(t; p) with parameters p. At any instant it depends on at most
+// kMostLocal neighbouring parameters. It has no mutable state, so all functions
+// may be called from several threads.
 class ForceHistory {
  public:
   static constexpr int kMostLocal = 4;
 
   // Value at one instant, and its derivatives with respect to the parameters
-  // first ... first + count - 1. All other derivatives are zero.
+  // first, ..., first + count - 1. All other derivatives are zero.
   struct Local {
     double value = 0.0;
     int first = 0;
@@ -29,31 +30,37 @@ class ForceHistory {
   };
 
   virtual ~ForceHistory() = default;
+  // Number of parameters p.
   virtual int num_parameters() const = 0;
+  // Computes F at `time`, both in the model's units. `parameters` has
+  // num_parameters() entries.
   virtual Local Evaluate(double time, const double* parameters) const = 0;
   virtual WideJet Evaluate(double time, const WideJet* parameters) const = 0;
-  // Returns a unique description in words and numbers.
+  // Returns a description in words and numbers, different for different forces.
   virtual std::string Description() const = 0;
 };
 
-// A spline with one coefficient per knot,
+// Spline with one coefficient p_k per knot,
 //
 //   F(t) = scale sum_k p_k B((t - t_k) / spacing),   t_k = start + k spacing.
 //
-// B is the B-spline of degree 1 (the coefficients are the force at the knots)
-// or 3 (C. de Boor, A Practical Guide to Splines, 2001). The force is zero
-// beyond the reach of all B: one spacing outside the outer knots, or two.
+// B is the B-spline of degree 1 or 3 (C. de Boor, A Practical Guide to Splines,
+// 2001). With degree 1, scale * p_k is the force at knot k. The force is zero
+// from one spacing (degree 1) or two spacings (degree 3) outside the outer
+// knots.
 class SplineForce final : public ForceHistory {
  public:
   struct Options {
     int degree = 3;        // 1 or 3
-    double start = 0.0;    // time of the first knot
+    double start = 0.0;    // time t_0 of the first knot
     double spacing = 0.0;  // time between knots, positive
     int num_knots = 0;     // positive
-    double scale = 1.0;    // force; makes the coefficients pure numbers
+    double scale = 1.0;    // unit of F, so that p_k has none
   };
-  // The options must be valid, see AreValid.
+  // Creates the force. The options must be valid, see AreValid.
   explicit SplineForce(const Options& options);
+  // Checks the options. On failure returns false, and *error names the option
+  // and the violated constraint.
   [[nodiscard]] static bool AreValid(const Options& options,
                                      std::string* error);
 
@@ -64,21 +71,20 @@ class SplineForce final : public ForceHistory {
   std::string Description() const override;
 
  private:
-  // Computes the derivatives with respect to the coefficients, without the
-  // value.
+  // Computes the derivatives with respect to the coefficients, not the value.
   Local Basis(double time) const;
 
   Options options_;
 };
 
-// The blow of a hammer: half a period of a sine,
+// Blow of a hammer: half a period of a sine,
 //
 //   F(t) = amplitude sin(pi (t - start) / duration)   within, zero outside.
 //
-// Parameters: start, duration (positive), amplitude. The slope jumps at both
-// ends. So do the derivatives, with respect to start and duration, of a
-// response that is integrated step by step. Steps that are short against the
-// duration keep the jumps small.
+// The parameters are start, duration (positive) and amplitude, in the model's
+// units. The slope of F jumps at both ends. A response integrated step by step
+// therefore has derivatives with respect to start and duration that jump too.
+// Steps that are short compared with the duration keep these jumps small.
 class HalfSinePulse final : public ForceHistory {
  public:
   int num_parameters() const override { return 3; }
@@ -87,15 +93,18 @@ class HalfSinePulse final : public ForceHistory {
   std::string Description() const override { return "half-sine pulse"; }
 };
 
-// A Gaussian prior on linear combinations of a term's parameters,
+// Gaussian prior on linear combinations of a term's parameters,
 //
 //   weights . (p_first, p_first+1, ...) ~ N(0, 1 / precision of its group).
 //
-// The combinations are linearly independent and at most as many as parameters.
-// The determinant of the prior's precision (on the space that they span) is
-// then that of the groups' precisions times a constant. MacKay's rule for
-// choosing them by the evidence therefore holds as for single parameters.
+// The combinations must be linearly independent, so there are at most as many
+// as parameters. The determinant of the prior's precision is then a constant
+// times the product of the precisions of all combinations. MacKay's rule (1992)
+// for choosing precisions by the evidence therefore holds as for single
+// parameters.
 struct CombinationPrior {
+  // One combination: the index of its group, its first parameter, and one
+  // weight for this and each following parameter.
   struct Combination {
     int group = 0;
     int first = 0;
@@ -106,50 +115,58 @@ struct CombinationPrior {
   std::vector<double> precisions;
 
   int num_groups() const { return static_cast<int>(precisions.size()); }
-  // Checks that its groups exist and that its combinations fit
-  // `num_parameters`. If there are any combinations, all of these parameters
-  // must be free, or none. The sentence in *error has no subject.
+  // Checks that groups exist and that the combinations fit `num_parameters`.
+  // With combinations, `num_free` must be 0 or num_parameters. On failure
+  // returns false; the sentence in *error has no subject, so that the caller
+  // can name it.
   [[nodiscard]] bool IsValid(int num_parameters, int num_free,
                              std::string* error) const;
-  // Returns the share of the combinations whose precision the evidence chooses.
+  // Returns the fraction of the combinations whose precision the evidence
+  // chooses, 0 to 1.
   double ShareToBeChosen() const;
 };
 
-// Returns a prior for local smoothness. The second differences
+// Returns a prior for local smoothness: the second differences of the
+// coefficients,
 //
 //   p_{k-1} - (2 + relaxation^2) p_k + p_{k+1},   zeros beyond both ends,
 //
-// are small. The evidence chooses their size for each `neighbourhood` of so
-// many knots. A force is rough at a blow and smooth elsewhere, which one
-// precision for all knots cannot express. With a relaxation (spacing of the
-// knots over a time) a smooth force decays to zero like exp(-t / time) instead
-// of being a straight line. Without it, the prior hardly limits a slow drift
-// that the sensors do not measure.
+// are small. The evidence chooses their size, one for each group of
+// `neighbourhood` neighbouring knots. A single size would not do, because a
+// force is rough at a blow and smooth elsewhere.
+//
+// `relaxation` is the spacing of the knots divided by a decay time T. With it a
+// smooth force decays to zero like exp(-t / T). With relaxation = 0 a smooth
+// force is a straight line, and the prior hardly limits a slow drift that the
+// sensors do not measure.
 CombinationPrior SmoothnessPrior(int num_knots, int neighbourhood,
                                  double relaxation);
 
-// Returns a prior for a force between two frequencies (cycles per unit of time,
-// `spacing` in the same unit). It acts on the force's cosine transform
-// (DCT-II). The part inside the band has one precision that the evidence
-// chooses. The part outside has the precision `outside`.
+// Returns a prior for a force with frequencies between `lowest` and `highest`,
+// in cycles per unit of time. `spacing` is the time between knots. The prior
+// acts on the cosine transform (DCT-II) of the coefficients. The part inside
+// the band has one precision, which the evidence chooses. The part outside has
+// the precision `outside`.
 CombinationPrior BandPrior(int num_knots, double spacing, double lowest,
                            double highest, double outside);
 
-// A force that nobody measured: outputs * F(t) is added to the right-hand side.
+// Unmeasured force as a term: outputs * F(t) is added to the right-hand side of
+// M dv/dt = ...
 struct UnknownForceTerm {
   std::string name;
+  // Function F.
   std::shared_ptr<const ForceHistory> history;
-  Vector outputs;  // num_dofs
-  // Index of an input that is one in the force's record and zero in all others.
-  // The force is multiplied by it. -1: the force acts in every record.
+  Vector outputs;  // one per DOF, dimensionless
+  // Index of the input that the force is multiplied by. It is 1 in the force's
+  // record and 0 in all others. -1: the force acts in every record.
   int input = -1;
   ParameterBlock parameters;
-  // Empty: none but the parameters' own. With one, all parameters are free or
-  // none.
+  // Prior on combinations of the parameters. Empty: each parameter has only its
+  // own prior. If it is not empty, either all parameters are free or none.
   CombinationPrior prior;
 };
 
-// At any instant it depends on few of its parameters, and so do its tangents.
+// Creates the term. Term::IsValid checks sizes, input and prior.
 std::unique_ptr<Term> MakeTerm(UnknownForceTerm force);
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// The only Jet type that is passed through virtual functions.
+// WideJet: the only Jet type that virtual functions take.
 
 #ifndef PINODE_DYNAMICS_WIDE_JET_H_
 #define PINODE_DYNAMICS_WIDE_JET_H_
@@ -10,8 +10,9 @@ struct Jet;
 
 namespace pinode {
 
-// A Jet wide enough that a pass through a whole step pays off, used by
-// `derivatives = "jets"`. Code that computes with it includes <ceres/jet.h>.
+// Jet (number with derivatives) that `derivatives = "jets"` uses: eight
+// derivatives in one pass. Code that computes with it must include
+// <ceres/jet.h>.
 using WideJet = ceres::Jet<double, 8>;
 
 }  // namespace pinode
