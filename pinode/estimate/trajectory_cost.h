@@ -17,50 +17,62 @@
 
 namespace pinode {
 
-// Trajectories of all training records, with the segments' starts projected out
-// (MultipleShooting), as num_free + 1 residuals: see CondensedCost.
+// Residuals of the trajectories of all training records. The starts of the
+// segments are eliminated (MultipleShooting). The cost is condensed to num_free
+// + 1 residuals with the same value, gradient and Gauss-Newton Hessian, see
+// CondensedCost.
 //
-// The single parameter block holds the free parameters, in the order of
-// layout(), which names them. Start from InitialValues(). Set their bounds in
-// the ceres::Problem, where other residuals may share the block. Priors and
-// measured modes are separate blocks: MakePriorCost, MakeModalCost. Without a
-// Jacobian only |r|^2 is right: r cannot be differentiated numerically.
+// The only parameter block holds the free parameters, in the order and with the
+// names of layout(). Start from InitialValues(). Set bounds in the
+// ceres::Problem. Other residual blocks may share the parameter block. Priors
+// and measured modes are such blocks, see MakePriorCost and MakeModalCost.
 //
-// Evaluations of one object must come one at a time, as Ceres does. With
-// Options::num_threads each evaluation uses threads. Like other cost functions
-// the object belongs to the ceres::Problem that it is added to.
+// If no Jacobian is requested, only |r|^2 is right. Therefore r cannot be
+// differentiated numerically.
+//
+// Evaluate one object by one thread at a time, as Ceres does. Each evaluation
+// uses Options::num_threads threads of its own. The ceres::Problem that the
+// object is added to owns it.
 class TrajectoryCost final : public ceres::CostFunction {
  public:
   struct Options {
-    // Length of the segments in samples; 0: each record in one piece. Multiple
-    // shooting reaches solutions that a long simulation misses. Gaps between
-    // segments are then held, not closed: `gap_firmness` times as firmly as the
-    // data hold the starts.
+    // Length of the segments in samples; 0: each record is one segment.
+    // Segments (multiple shooting) reach solutions that one long simulation
+    // misses.
     Eigen::Index segment_samples = 0;
+    // Weight of the gaps between segments, relative to the weight with which
+    // the data determine the starts. The gaps are small but not zero.
     double gap_firmness = 1e4;
-    // Standard deviation of each channel, per training record. Empty: as given
-    // in the problem, or 5 % of the channel's spread.
+    // Standard deviation of the noise of each channel, one vector per training
+    // record, in the channels' units. Empty: the value that the problem gives,
+    // or else 5 % of the standard deviation of the channel's samples.
     std::vector<Vector> sigmas;
+    // Method for the derivatives, and loss function of the residuals.
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
     RobustLoss loss = RobustLoss::kNone;
-    double loss_scale = 3.0;  // in units of sigma
+    // residuals beyond it count less; in units of sigma
+    double loss_scale = 3.0;
     int num_threads = 1;
   };
 
-  // Creates the cost of the training records of `problem`, which is copied.
-  // Starts begin from a smoother on the problem's initial values. Returns
-  // nullptr, with a sentence in *error, if problem or options are not valid or
-  // no finite trajectory is found there.
+  // Creates the cost of the training records of `problem`, which is copied. The
+  // first guess of the starts is from a smoother that uses the problem's
+  // initial values. Returns nullptr, with a sentence in *error, if problem or
+  // options are not valid. Also returns nullptr if no finite trajectory is
+  // found at the initial values.
   static std::unique_ptr<TrajectoryCost> Create(IdentificationProblem problem,
                                                 const Options& options,
                                                 std::string* error);
 
   ~TrajectoryCost() override;
 
+  // Computes residuals and Jacobian, see ceres::CostFunction. Returns false if
+  // a trajectory is not finite.
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  // Layout of the parameter block, and its values in the problem.
+  // Layout of the parameter block, and the initial values in the problem, one
+  // per free parameter.
   const ParameterLayout& layout() const;
   Vector InitialValues() const;
 
@@ -72,14 +84,16 @@ class TrajectoryCost final : public ceres::CostFunction {
   const std::unique_ptr<Owned> owned_;
 };
 
-// Returns the residuals of the priors of `layout`, which must outlive them.
-// `decays`: precision of the zero-mean prior of each decay group (weights of a
-// network); empty: no weight decay. nullptr if there is no prior.
+// Returns the residuals of the priors on the parameters of `layout`. Returns
+// nullptr if there is no prior. `layout` must outlive the result. `decays` has
+// the precision (1 / variance) of the zero-mean prior of each decay group, such
+// as the weights of a network. Empty: no weight decay.
 std::unique_ptr<ceres::CostFunction> MakePriorCost(
     const ParameterLayout& layout, const Vector& decays = Vector());
 
-// Returns the residuals of the measured modes of `problem`, which is valid.
-// `layout` must outlive them. nullptr if there are no modes.
+// Returns the residuals of the measured modes of `problem`, which must be
+// valid. Returns nullptr if there are no modes. `layout` must outlive the
+// result.
 std::unique_ptr<ceres::CostFunction> MakeModalCost(
     const IdentificationProblem& problem, const ParameterLayout& layout);
 

@@ -1,4 +1,5 @@
-// Assessment of a problem before it is solved.
+// Assessment of a problem before the fit: expected standard deviations, and
+// parameters that the data do not determine.
 
 #ifndef PINODE_ESTIMATE_CERTAINTY_ASSESSMENT_H_
 #define PINODE_ESTIMATE_CERTAINTY_ASSESSMENT_H_
@@ -14,7 +15,8 @@
 
 namespace pinode {
 
-// Expected standard deviation of a free named parameter.
+// Expected standard deviation of a free named parameter, with its initial
+// value. Both are in `unit`.
 struct ExpectedDeviation {
   std::string name;
   std::string unit;
@@ -22,43 +24,49 @@ struct ExpectedDeviation {
   double sigma = 0.0;
 };
 
+// Result of AssessProblem.
 struct ProblemAssessment {
+  // Numbers of free parameters and of residuals.
   int num_free = 0;
   Eigen::Index num_residuals = 0;
-  int num_starts = 0;  // number of unknown states at record starts
+  int num_starts = 0;  // number of unknown initial states
   // Expected standard deviation of each free named parameter, from the
-  // Gauss-Newton Hessian at the initial values. The noise is as given, or 5 %
-  // of a channel's spread. Noise of the excitation is included if it can be
-  // fitted (CanFitWithInputNoise) and the model runs freely. Infinite if the
-  // data do not determine the parameter. Empty if there are only measured modes
-  // with unknown errors.
+  // Gauss-Newton Hessian at the initial values. It is infinite if the data do
+  // not determine the parameter. The list is empty if the only data are
+  // measured modes with unknown errors.
+  //
+  // The noise of a channel is the given one, or 5 % of the standard deviation
+  // of its samples. Noise of the excitation is included if it can be fitted
+  // (CanFitWithInputNoise) and the model is simulated without correction by the
+  // records.
   std::vector<ExpectedDeviation> expected;
-  // Directions of named parameters along which the cost does not change. The
-  // cost includes the data, the priors, and the smoothness of curves and
-  // unknown forces.
+  // Combinations of named parameters that do not change the cost, one text
+  // each. The cost includes the data, the priors, and the smoothness of curves
+  // and unknown forces.
   std::vector<std::string> undetermined;
-  // Remarks on the records for the user, one sentence each (TimeScaleRemarks,
-  // SignRemarks).
+  // Remarks for the user on records that seem to have a wrong unit of time or a
+  // wrong sign, one sentence each (TimeScaleRemarks, SignRemarks).
   std::vector<std::string> remarks;
 };
 
-// Linearises `problem` at its initial values, on states that the smoother finds
-// there. Returns false, with a sentence in *error, if problem or options are
-// not valid or there is no finite trajectory.
+// Assesses `problem`. Linearises it at its initial values, along the states
+// that a smoother finds with these values. Returns false, with a sentence in
+// *error, if problem or options are not valid or no finite trajectory is found.
 [[nodiscard]] bool AssessProblem(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  ProblemAssessment* assessment,
                                  std::string* error);
 
-// Returns the initial smoothness precisions of curves and unknown forces, one
-// per decay group, as in the fit. Parts that no data reach follow their
-// neighbours. Weights of networks are left to the data.
+// Returns the precisions with which a fit begins, one per decay group (see
+// ParameterLayout). Curves and unknown forces get precisions that keep parts
+// without data close to their neighbours. Network weights get none.
 Vector SmoothnessPrecisions(const ParameterLayout& layout,
                             const EvidenceTuning& tuning);
 
-// Returns the deviations of all free named parameters. A deviation is infinite
-// if a direction of `null_space` (num_free x count) contains a tenth or more of
-// its parameter. `covariance`: num_free x num_free.
+// Returns the deviations of all free named parameters. `covariance` is num_free
+// x num_free. The columns of `null_space` (num_free x count) are directions
+// that the data do not determine. A deviation is infinite if a parameter has at
+// least 0.1 in one of these directions.
 std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
                                                   const Matrix& covariance,
                                                   const Matrix& null_space);
