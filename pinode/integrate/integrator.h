@@ -1,24 +1,25 @@
-// How motion is integrated: methods, derivatives, stability of the steps.
+// Methods of time integration, their derivatives, and the stability of steps.
 
 #ifndef PINODE_INTEGRATE_INTEGRATOR_H_
 #define PINODE_INTEGRATE_INTEGRATOR_H_
 
 namespace pinode {
 
-// How a state is taken from one sample to the next.
+// Method that takes the state from one sample to the next.
 enum class Integrator {
-  kRungeKutta,  // classical steps of fourth order
+  kRungeKutta,  // classical Runge-Kutta method of fourth order
   kExact,  // linear dynamics with constant matrices: no error but that of a
            // polynomial for the inputs between two samples
   kExponential,  // exact for the linear part of dynamics with laws at a few
                  // DOFs, see ExponentialStep
 };
 
-// "rk4", "exact" or "exponential".
+// Returns "rk4", "exact" or "exponential".
 const char* IntegratorName(Integrator integrator);
 
-// How the derivatives of a segment are computed. Both give the derivative of
-// the discrete steps and agree up to rounding.
+// Method for the derivatives of a segment with respect to its start and the
+// parameters. Both methods differentiate the discrete steps and agree up to
+// rounding.
 enum class DerivativeMethod {
   kTangents,  // TangentStep: laws by narrow Jets, networks by hand;
               // LinearSegment where the dynamics are linear
@@ -26,16 +27,19 @@ enum class DerivativeMethod {
               // Runge-Kutta has it
 };
 
-// RK4 is stable where |R(z)| <= 1, R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 (E.
-// Hairer and G. Wanner, Solving Ordinary Differential Equations II, IV.2).
+// Stability of Runge-Kutta steps. The method is stable if |R(z)| <= 1 for z =
+// dt lambda, with R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 (E. Hairer and G.
+// Wanner, Solving Ordinary Differential Equations II, 1996, section IV.2). dt
+// is the step, lambda an eigenvalue of the linearised state matrix.
 struct StabilityReport {
-  // max |lambda| of the linearised state matrix, rad/s (1/s).
+  // Largest |lambda| in 1/s (rad/s for undamped modes).
   double largest_eigenvalue = 0.0;
-  // Largest growth factor max |R(dt lambda)| over the modes that should not
-  // grow; 1 is the limit.
+  // Largest |R(dt lambda)| of the modes that do not grow in exact integration.
+  // A value above 1 means that steps are too long.
   double growth = 0.0;
+  // Steps per sampling interval.
   int substeps = 1;
-  double step = 0.0;  // s
+  double step = 0.0;  // step dt in s
   bool stable = false;
 };
 
