@@ -1,5 +1,5 @@
-// Identifies the modes of a structure from sensor records, without a model. The
-// loads may be unmeasured, measured, or absent (free decay).
+// Modal identification from sensor records, without a model. The loads may be
+// unmeasured, measured, or absent (free decay).
 
 #ifndef PINODE_MODAL_IDENTIFY_MODES_H_
 #define PINODE_MODAL_IDENTIFY_MODES_H_
@@ -15,67 +15,76 @@
 
 namespace pinode {
 
-// One identified mode.
+// Identified mode with its uncertainty.
 struct IdentifiedMode {
-  double frequency_hz = 0.0;  // |s| / (2 pi)
+  // Frequency |s| / (2 pi) and damping ratio -Re(s) / |s| of the pole s. The
+  // ratio is a fraction of critical: 0.02 is 2 %.
+  double frequency_hz = 0.0;
   double damping_ratio = 0.0;
-  // Shape as displacements at the channels' places, in the units of the
-  // channels, whatever quantity was measured there. A mode's velocities are s
-  // times, its accelerations s^2 times as large. The largest entry is 1.
+  // Mode shape, one entry per channel. Entries are displacements, in the unit
+  // of length of each channel, also if velocities (s times as large) or
+  // accelerations (s^2 times) were measured. The entry of largest magnitude is
+  // 1.
   Eigen::VectorXcd shape;
-  // Standard deviations of frequency, damping ratio, and the real and imaginary
-  // part of each entry of the shape.
+  // Standard deviations of the frequency (Hz), of the damping ratio, and of the
+  // real and imaginary part of each entry of the shape.
   double frequency_sigma = 0.0;
   double damping_sigma = 0.0;
   Vector shape_sigma_real;
   Vector shape_sigma_imaginary;
-  // Covariance of frequency (Hz), damping ratio, real parts, imaginary parts.
+  // Covariance of frequency (Hz), damping ratio, real parts and imaginary parts
+  // of the shape, in this order. Square, 2 + 2 * channels rows.
   Matrix covariance;
-  // Degrees of freedom of these standard deviations, for Student's t, and the
-  // 95 % intervals.
+  // Degrees of freedom of these standard deviations for Student's t
+  // distribution, and the 95 % intervals that follow.
   double degrees_of_freedom = 0.0;
   double frequency_lower95 = 0.0, frequency_upper95 = 0.0;
   double damping_lower95 = 0.0, damping_upper95 = 0.0;
-  // Statistics over model orders: number of orders that contain the mode,
-  // number of orders that could, and standard deviations between the orders in
-  // the mean.
+  // Numbers of model orders that contain the mode, and that could contain it.
   int orders_seen = 0, orders_possible = 0;
+  // Standard deviations of the estimates between these orders.
   double frequency_spread = 0.0;  // Hz
   double damping_spread = 0.0;
-  // Mean phase collinearity of the shape: 1 if all points move in phase (J. N.
-  // Juang, R. S. Pappa 1986).
+  // Modal phase collinearity of the shape, 0 to 1 (J. N. Juang, R. S. Pappa
+  // 1986). It is 1 if all points move in phase or in opposite phase.
   double phase_collinearity = 0.0;
-  // True for a harmonic of a machine: its damping interval holds zero, and it
-  // has the constant amplitude and the kurtosis of a sine.
+  // True for the vibration of a machine. Its damping interval contains zero,
+  // its amplitude is constant, and its kurtosis is that of a sine, 1.5.
   bool is_harmonic = false;
-  // Sampling step at which the mode was found.
+  // Sampling step in s of the analysis that found the mode, see AnalysedBand.
   double sampling_step = 0.0;
-  // Estimates of the data-driven identification, as a check of a
-  // covariance-driven one. NaN: it did not find the mode, or was not run.
+  // Estimates of the data-driven method, as a check of the covariance-driven
+  // one. NaN: this method did not find the mode, or was not run.
   double check_frequency_hz = kNaN;
   double check_damping_ratio = kNaN;
 };
 
-// A pole of the stabilisation diagram.
+// Pole of the stabilisation diagram.
 struct DiagramPole {
+  // Model order (number of states).
   int order = 0;
   double frequency_hz = 0.0;
   double frequency_sigma = 0.0;
   double damping_ratio = 0.0;
-  int mode = -1;  // in ModesOfRecord::modes; -1: no mode
+  int mode = -1;  // index in ModesOfRecord::modes; -1: no mode
 };
 
-// The record at one sampling rate, analysed in a band of frequencies.
+// Analysis of the record at one sampling rate, in one band of frequencies.
 struct AnalysedBand {
   double sampling_step = 0.0;  // s
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
   int block_rows = 0;
   int max_order = 0;
+  // Number of parts of the record. The scatter of their correlations gives the
+  // standard deviations.
   int num_windows = 0;
   std::vector<DiagramPole> poles;
 };
 
+// Method of modal identification. Sources: B. Peeters and G. De Roeck 1999
+// (covariance-driven); P. Van Overschee and B. De Moor 1996 (data-driven); M.
+// Verhaegen 1994 (input-output); J. N. Juang and R. S. Pappa 1985 (ring-down).
 enum class ModalMethod {
   // Method chosen by the record: kRingDown for a free decay, kInputOutput for a
   // record with inputs, else kCovarianceDriven.
@@ -85,47 +94,53 @@ enum class ModalMethod {
   kInputOutput,
   kRingDown,
 };
-// Returns "covariance_driven" and so on.
+// Returns "covariance_driven", "input_output" and so on.
 const char* ModalMethodName(ModalMethod method);
 
+// Options of IdentifyModes.
 struct ModeIdentificationOptions {
   ModalMethod method = ModalMethod::kAutomatic;
-  // Frequency range of the search, Hz. Default (0): from 50 cycles in the
-  // record to 0.95 of half the sampling rate.
+  // Frequency range of the search in Hz. Default (0): from 50 divided by the
+  // record's duration to 0.475 times the sampling rate.
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
-  // Number of block rows of the Hankel matrix. Default (0): 12 to 40 blocks,
-  // about 600 rows. For a ring-down, at most a third of its samples.
+  // Number of block rows of the Hankel matrix. Default (0): chosen between 12
+  // and 40 so that the matrix has about 600 rows. For a ring-down, at most a
+  // third of its samples.
   int block_rows = 0;
   // Highest model order, even. Default (0): 60, or as many as the channels
   // allow.
   int max_order = 0;
-  // Names of the reference channels of the correlations. Default: all. Not used
-  // for a ring-down.
+  // Names of the channels that correlations are computed with (references).
+  // Empty: all channels. A ring-down does not use them.
   std::vector<std::string> references;
+  // Limits for poles that count as modes.
   StabilisationOptions stabilisation;
   int num_threads = 1;
 };
 
+// Result of IdentifyModes.
 struct ModesOfRecord {
   ModalMethod method = ModalMethod::kCovarianceDriven;
-  std::vector<IdentifiedMode> modes;  // by frequency
-  std::vector<AnalysedBand> bands;    // from the highest
+  std::vector<IdentifiedMode> modes;  // ascending frequency
+  std::vector<AnalysedBand> bands;    // highest band first
+  // Remarks for the user, one sentence each.
   std::vector<std::string> remarks;
 };
 
 // Identifies the modes of a record.
 //
-// A structure's modes spread over decades. A Hankel matrix covers only
-// frequencies of which a few periods fit its lags. The record is therefore
-// analysed at its own rate and at successive halves of it. Each analysis covers
-// 0.2 to 0.8 of half the rate (the lowest one down to lowest_hz). If two rates
-// find the same mode, the more certain estimate is used.
+// The modes of a structure may spread over decades of frequency. A Hankel
+// matrix covers only frequencies that have a few periods within its lags. The
+// record is therefore analysed at its own sampling rate, at half of it, and so
+// on. Each analysis covers 0.2 to 0.8 of half its rate, the last one down to
+// lowest_hz. If two rates find the same mode, the more certain estimate is
+// used.
 //
-// Returns false with a sentence if the record is too short, or if options do
-// not fit it: a method that needs inputs, or samples without gaps. *option (may
-// be null) is then the name of the given option at fault, or empty if no option
-// is.
+// Returns false, with a sentence in *error, if the record is not valid or too
+// short. Also returns false if options do not fit the record, such as a method
+// that needs inputs or samples without gaps. *option is then the name of the
+// option at fault, or empty if no option is. `option` may be null.
 [[nodiscard]] bool IdentifyModes(const ResponseRecord& record,
                                  const ModeIdentificationOptions& options,
                                  ModesOfRecord* result, std::string* error,

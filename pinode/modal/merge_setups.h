@@ -1,4 +1,4 @@
-// Merges the modes of one structure from several sensor set-ups.
+// Modes of one structure from several sensor set-ups, merged.
 
 #ifndef PINODE_MODAL_MERGE_SETUPS_H_
 #define PINODE_MODAL_MERGE_SETUPS_H_
@@ -12,47 +12,52 @@
 
 namespace pinode {
 
-// The modes of one set-up, and the places of its shapes' entries.
+// Modes of one set-up. `places` names the place of each entry of their shapes.
 struct SetupModes {
   std::string name;
   std::vector<std::string> places;
   std::vector<IdentifiedMode> modes;
 };
 
+// Options of MergeSetups.
 struct MergeOptions {
-  // Places that connect the set-ups. Default: the places that all set-ups have.
+  // Places that connect the set-ups. Empty: the places that all set-ups have.
   std::vector<std::string> references;
 };
 
-// A mode of the structure.
+// Mode of the structure.
 struct MergedMode {
-  // Merged mode. Frequency and damping are means weighted by the set-ups'
-  // variances. Their sigmas are those of the mean, or follow from the scatter
-  // of the set-ups if that is larger. The shape covers all places. The
-  // covariance is that of frequency, damping ratio, real parts, imaginary
-  // parts; it is NaN at places where no set-up sees the mode.
+  // Merged mode. Frequency and damping are means of the set-ups, weighted by 1
+  // / variance. Their sigmas are those of the mean, or follow from the scatter
+  // of the set-ups if that gives more. The shape has one entry for each of
+  // MergedModes::places. Shape and covariance are NaN at places where no set-up
+  // sees the mode.
   IdentifiedMode mode;
-  std::vector<int> in_setups;  // number of the mode in each; -1: none
-  // Standard deviations between the set-ups, if several see the mode.
+  // Index of the mode in each set-up, from 0; -1: the set-up does not see it.
+  std::vector<int> in_setups;
+  // Standard deviations between the set-ups. 0 if only one sees the mode.
   double frequency_between = 0.0;  // Hz
   double damping_between = 0.0;
 };
 
+// Result of MergeSetups. `places` has the places of all set-ups.
 struct MergedModes {
   std::vector<std::string> places;
-  std::vector<MergedMode> modes;  // by frequency
+  std::vector<MergedMode> modes;  // ascending frequency
   std::vector<std::string> remarks;
 };
 
-// Merges modes of set-ups that agree in frequency and in shape at the
-// references. Scales each shape so that it agrees there with the most certain
-// set-up (least squares). Averages entries that several set-ups have, weighted
-// by their variances. A mode that at least half of the set-ups see is a mode of
-// the structure; others become remarks. A single set-up is returned unchanged.
-// Source: post-separate-estimation re-scaling, e.g. M. Doehler, P. Andersen, L.
-// Mevel, Proc. IMAC 28 (2010).
+// Merges modes that agree in frequency, and in shape at the reference places.
+// Each shape is scaled so that it agrees there with the shape of the most
+// certain set-up, by least squares. Entries that several set-ups have are
+// averaged, weighted by 1 / variance. The method is post-separate-estimation
+// re-scaling (M. Doehler, P. Andersen, L. Mevel, Proc. IMAC 28 (2010)).
 //
-// Returns false if the set-ups have no place in common.
+// A mode is a mode of the structure if at least half of the set-ups see it.
+// Other modes become remarks. A single set-up is returned unchanged.
+//
+// Returns false, with a sentence in *error, if the set-ups have no place in
+// common.
 [[nodiscard]] bool MergeSetups(const std::vector<SetupModes>& setups,
                                const MergeOptions& options, MergedModes* merged,
                                std::string* error);

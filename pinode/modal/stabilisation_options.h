@@ -1,4 +1,4 @@
-// Limits by which a stabilisation diagram is read.
+// Limits for reading a stabilisation diagram.
 
 #ifndef PINODE_MODAL_STABILISATION_OPTIONS_H_
 #define PINODE_MODAL_STABILISATION_OPTIONS_H_
@@ -7,35 +7,35 @@
 
 namespace pinode {
 
-// Limits for what counts as a mode.
+// Limits for poles that count as modes.
 struct StabilisationOptions {
-  // Tolerances: two poles may be one mode if their frequencies differ by less
-  // than this fraction and the MAC of their shapes is larger than
-  // `smallest_mac`.
+  // Tolerances for two poles to be one mode. Their frequencies must differ by
+  // less than the fraction frequency_tolerance. The modal assurance criterion
+  // (MAC) of their shapes must be above smallest_mac.
   double frequency_tolerance = 0.01;
   double smallest_mac = 0.9;
-  // Smallest share of the orders in which a mode must be found: among the
-  // orders from the first one that contains it, and among all orders.
+  // Smallest fraction of the model orders that must contain a mode: of the
+  // orders from the first one that contains it, and of all orders.
   double smallest_share = 0.5;
   double smallest_share_of_all = 0.3;
-  // Largest accepted excess. Under noise the frequency of a mode cannot be
-  // known better than to the fraction sqrt(zeta / (2 pi f T)), T the record's
-  // length (S. K. Au, Mech. Syst. Signal Process. 48 (2014) 15). A pole that is
-  // more uncertain than this bound times the excess is not a mode; poles of
-  // noise are fifty times. (The bound of the damping ratio is the same number.
-  // With a limit of six times that, one record in a hundred loses a mode that
-  // has most of its power.)
+  // Largest accepted uncertainty of a frequency f, as a multiple of its lower
+  // bound. Under random loads the standard deviation of f is at least f
+  // sqrt(zeta / (2 pi f T)), with zeta the damping ratio and T the record's
+  // duration (S. K. Au, Mech. Syst. Signal Process. 48 (2014) 15). Poles due to
+  // noise are about fifty times as uncertain as this bound. The limit does not
+  // apply to damping ratios: one record in a hundred would then lose its
+  // strongest mode.
   double largest_excess = 6.0;
-  double largest_frequency_sigma = 0.02;  // as a fraction, in all
+  double largest_frequency_sigma = 0.02;  // fraction of f
   double largest_damping_ratio = 0.15;
-  // Largest accepted uncertainty of a shape that is one at the reference: root
-  // mean square of its standard deviations over the channels, each in the
-  // channel's own unit. Shapes of two close modes may be as uncertain as those
-  // of noise.
+  // Largest accepted uncertainty of a shape that is 1 at its reference channel.
+  // It is the RMS over the channels of the entries' standard deviations. By
+  // default there is no limit, because shapes of two close modes may be as
+  // uncertain as those of noise.
   double largest_shape_sigma = 1e300;
-  // Frequencies (Hz) of the modes to take. For each, the most certain pole
-  // within frequency_tolerance determines the mode, stable or not. No other
-  // modes are taken. Empty: the diagram is read as above.
+  // Frequencies in Hz of the modes to accept. The most certain pole within
+  // frequency_tolerance of each one is the mode, stable or not. No other pole
+  // is a mode. Empty: the limits above select the modes.
   std::vector<double> pick;
 };
 
