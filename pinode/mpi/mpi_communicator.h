@@ -1,4 +1,4 @@
-// Ranks of an MPI job; the only file that uses MPI.
+// Ranks of an MPI job. No other header of pinode uses MPI.
 
 #ifndef PINODE_MPI_MPI_COMMUNICATOR_H_
 #define PINODE_MPI_MPI_COMMUNICATOR_H_
@@ -12,29 +12,31 @@
 
 namespace pinode {
 
-// Communicator of all ranks of MPI_COMM_WORLD. Sums go to rank 0 and from there
-// to all, so that every rank has the same bits. MPI is called from one thread.
+// Communicator of all ranks of MPI_COMM_WORLD. Rank 0 computes sums and sends
+// them to all ranks, so that every rank has the same bits. Call it from one
+// thread.
 class MpiCommunicator final : public Communicator {
  public:
   struct Options {
-    // Time after which a rank that does not answer has stalled.
+    // Time after which a rank that does not answer counts as failed.
     double timeout_seconds = 300.0;
-    // Largest count of numbers, or bytes, that are sent at a time: MPI counts
-    // in 32 bits. At most its default.
+    // Largest number of values or bytes in one message. It may not be above its
+    // default, because MPI counts in 32 bits.
     int64_t most_at_once = int64_t{1} << 28;
-    // Called while waiting for other ranks; true if this process was told to
-    // end. It then waits only a moment longer, because the sender of the signal
-    // will not wait either.
+    // Function that is called while this process waits for other ranks. It
+    // returns true if this process was told to end. The wait then ends after a
+    // short time, because whoever told it to end will not wait long.
     std::function<bool()> interrupted;
-    // Called once, with a sentence, if a rank does not answer. May not return.
+    // Function that is called once, with a sentence, if a rank does not answer.
+    // It need not return.
     std::function<void(const std::string& what)> on_failure;
   };
 
-  // Begins MPI, once in a process. Returns nullptr, with a sentence in *error,
-  // if it fails.
+  // Starts MPI. Call it once per process. Returns nullptr, with a sentence in
+  // *error, if it fails.
   static std::unique_ptr<MpiCommunicator> Begin(const Options& options,
                                                 std::string* error);
-  // Waits for all ranks and ends MPI; does not wait after a failure.
+  // Waits for all ranks, then ends MPI. Does not wait if a rank has failed.
   ~MpiCommunicator() override;
   MpiCommunicator(const MpiCommunicator&) = delete;
   MpiCommunicator& operator=(const MpiCommunicator&) = delete;
@@ -51,7 +53,7 @@ class MpiCommunicator final : public Communicator {
   // Number of ranks on this machine.
   int num_local_ranks() const { return num_local_ranks_; }
 
-  // Ends all ranks, and does not return.
+  // Ends all ranks with this exit status, and does not return.
   [[noreturn]] void Abort(int status);
 
  private:
