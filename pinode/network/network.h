@@ -1,4 +1,4 @@
-// Evaluates a network and its derivatives, which are coded by hand.
+// Evaluation of a network and of its derivatives, which are coded by hand.
 
 #ifndef PINODE_NETWORK_NETWORK_H_
 #define PINODE_NETWORK_NETWORK_H_
@@ -12,44 +12,48 @@ namespace pinode {
 
 class Network;
 
-// One sweep through the layers of a network. All vectors have their final size
-// after construction.
+// Values of one sweep through the layers of a network. All vectors have their
+// final size after construction. Layer l has the symbols of
+// NetworkArchitecture.
 class NetworkSweep {
  public:
-  // `last_entry` is the factor of the biases.
+  // Allocates the sweep. `last_entry` is the factor of the biases, 1 or 0.
   NetworkSweep(const NetworkArchitecture& architecture, double last_entry);
 
+  // Values of one layer.
   struct Layer {
-    // a_{l-1}. If the layer has a bias, one more entry, `last_entry`, follows:
-    // W_l and b_l lie side by side and are used as one matrix.
+    // Input a_{l-1}. If the layer has a bias, `last_entry` follows as one more
+    // entry, so that [W_l, b_l] acts as one matrix.
     Vector input;
-    // Input of the activation function of this layer. Empty for the last layer.
+    // Argument of the activation function, and the function's slope there.
+    // Empty for the last layer.
     Vector preactivation;
     Vector slope;
     // Second derivative of the activation function. The backward sweep
-    // multiplies it by the rate's preactivation.
+    // multiplies it by the preactivation of the rate sweep.
     Vector curvature;
-    // D_l = dy/d(preactivation), num_outputs x rows; empty for the last layer,
-    // where it is plus or minus the identity.
+    // Derivative D_l = dy/d(preactivation), num_outputs x rows of W_l. Empty
+    // for the last layer, where it is plus or minus the identity.
     Matrix adjoint;
   };
   std::vector<Layer> layers;
 };
 
-// A network linearised at one point: its value, its slope, and its derivative
-// with respect to the weights in factors,
+// Network linearised at one point: its value, its slope, and the factors D_l
+// and a_{l-1} of its derivative with respect to the weights,
 //
 //   dy_o / dW_l(i, j) = D_l(o, i) a_{l-1}(j),    dy_o / db_l(i) = D_l(o, i).
 //
-// The product is never formed. The gauged form has up to three such products
-// per layer: at the point, at rest, and along the rate of change from rest
+// The products are not stored. The gauged form has up to three such products
+// per layer: at the point, at rest, and for the rate of change from rest
 // towards the point.
 class NetworkTangent {
  public:
   explicit NetworkTangent(const Network& network);
 
+  // Value y, num_outputs entries in the outputs' units.
   const Vector& value() const { return value_; }
-  // dy/dq, num_outputs x num_inputs.
+  // Slope dy/dq, num_outputs x num_inputs.
   const Matrix& input_jacobian() const { return input_jacobian_; }
 
  private:
@@ -66,11 +70,11 @@ class NetworkTangent {
   NetworkSweep rate_;
 };
 
-// Scratch memory of one thread.
+// Working memory of one thread.
 class NetworkWorkspace {
  public:
-  // Sizes the workspace for products with at most `max_rows` rows and at most
-  // `max_stages` tangents at a time. Evaluation alone needs no such memory.
+  // Allocates memory for AddWeightTangents with at most `max_rows` rows and at
+  // most `max_stages` tangents at a time. Evaluate() alone needs no rows.
   explicit NetworkWorkspace(const Network& network, int max_rows = 0,
                             int max_stages = 4);
 
@@ -92,13 +96,13 @@ class NetworkWorkspace {
   std::vector<const double*> stage_lefts_;
 };
 
-// A network of a fixed architecture; see network_architecture.h for its
-// equations. It stores no weights. Callers pass them as one flat block in the
-// order of WeightLayout, so one object serves every thread and every iterate.
-// Its methods allocate no memory, unless stated.
+// Network of a fixed architecture; NetworkArchitecture has its equations. It
+// stores no weights: callers pass them as one block of num_weights() entries in
+// the order of WeightLayout. One object therefore serves several threads and
+// several sets of weights. Its methods allocate no memory, unless stated.
 class Network {
  public:
-  // The architecture must be valid.
+  // Creates the network. The architecture must be valid.
   explicit Network(NetworkArchitecture architecture);
 
   const NetworkArchitecture& architecture() const { return architecture_; }
@@ -107,29 +111,29 @@ class Network {
   int num_outputs() const { return architecture_.num_outputs; }
   int num_weights() const { return layout_.size; }
 
-  // Computes y = g(q), or the gauged y(q). `q` has num_inputs entries, in the
-  // features' units. `y` has num_outputs entries.
+  // Computes y = g(q), or the gauged y(q). `q` has num_inputs() entries in the
+  // features' units. `y` has num_outputs() entries in the outputs' units.
   void Evaluate(const double* q, const double* weights, double* y,
                 NetworkWorkspace* workspace) const;
 
-  // Computes value, slope and factors at q.
+  // Computes value, slope and factors at q (num_inputs() entries).
   void Linearize(const double* q, const double* weights,
                  NetworkTangent* tangent) const;
 
-  // Computes B += left * dy/dweights. `left` is m x num_outputs. `B` is m x
-  // num_weights, column-major, without gaps. m is at most the workspace's
+  // Adds left * dy/dweights to B. `left` is m x num_outputs(). `B` is m x
+  // num_weights(), stored by columns without gaps. m is at most the workspace's
   // max_rows.
   void AddWeightTangent(const NetworkTangent& tangent, const Matrix& left,
                         NetworkWorkspace* workspace, double* B) const;
 
-  // Computes B += sum_s lefts[s] * dy/dweights at stages[s], for `count` stages
-  // (at most the workspace's max_stages) in one pass over B. All `lefts` have
-  // the same number of rows.
+  // Adds sum_s lefts[s] * (dy/dweights at stages[s]) to B, for `count` stages
+  // in one pass over B. `count` is at most the workspace's max_stages. All
+  // `lefts` have the same number of rows.
   void AddWeightTangents(const NetworkTangent* const* stages,
                          const Matrix* const* lefts, int count,
                          NetworkWorkspace* workspace, double* B) const;
 
-  // Returns dy/dweights as one matrix, num_outputs x num_weights. Allocates.
+  // Returns dy/dweights, num_outputs() x num_weights(). Allocates memory.
   Matrix WeightJacobian(const NetworkTangent& tangent) const;
 
  private:
