@@ -1,4 +1,4 @@
-// Records of a structure under loads that were not measured.
+// Ambient records: responses to loads that were not measured.
 
 #ifndef PINODE_PROBLEM_AMBIENT_RECORD_H_
 #define PINODE_PROBLEM_AMBIENT_RECORD_H_
@@ -17,86 +17,97 @@
 
 namespace pinode {
 
-// Record of the responses to random forces that are stationary over the record
-// and have unknown spectral densities:
+// Record of the responses to random forces with unknown spectral densities. The
+// forces are stationary over the record. The responses have the spectral
+// density
 //
 //   S_y(w) = H(w) S_f(w) H(w)^H + diag(noise),   S_f(w) = sum_b t_b(w) P_b.
 //
-// H is the transfer function from the forces in `loads` to the channels. The
-// t_b are triangles over the logarithm of the frequency, one around each knot.
-// The P_b are unknown, positive semidefinite covariances between the forces. A
-// spectrum that is correlated between areas and falls with frequency, as that
-// of wind, has this form. Measured forces may act as well: the record less the
-// model's response to them, from rest, then has this density.
+// at the angular frequency w. H is the transfer function from the forces in
+// `loads` to the channels. t_b is a triangle over the logarithm of the
+// frequency around knot b. P_b is the unknown, positive semidefinite covariance
+// of the forces at this knot. The spectrum of wind has this form: it is
+// correlated between areas and falls with frequency.
+//
+// Measured forces may act as well. The record minus the model's response to
+// them, from rest, then has this density. The source of the likelihood is in
+// pinode/theory/ambient.md.
 struct AmbientRecord {
   std::string name;
-  double sampling_step = 0.0;  // model time
+  double sampling_step = 0.0;  // in the model's unit of time
   std::vector<Observation> channels;
   Matrix samples;  // channels x samples, in the model's units; NaN: missing
 
   // Distribution of the unknown forces, num_dofs x areas, and the names of the
-  // areas. If `loads` and `base` are empty, a force acts on each mode of the
-  // initial model in and near the band. With more than 24 such modes, or
-  // uncorrelated loads, forces act at the channels instead. Any load on the
-  // structure excites its modes in the same way as such forces.
+  // areas. Each column has the forces at the DOFs for a unit load on one area.
+  //
+  // If `loads` and `base` are empty, a force acts on each mode of the initial
+  // model in and near the band. These forces can represent any load on the
+  // structure, because a load acts on its modes. With more than 24 such modes,
+  // or uncorrelated loads, forces act at the channels instead.
   Matrix loads;
   std::vector<std::string> areas;
   // Distribution of unmeasured accelerations of the base, num_dofs x
-  // directions: displacements of the DOFs as they follow the base. Channels of
-  // absolute accelerations also see the acceleration of the base itself.
+  // directions. Each column has the displacements of the DOFs for a unit
+  // displacement of the base in one direction. Channels of absolute
+  // acceleration also measure the acceleration of the base itself.
   Matrix base;
-  // False: forces of different areas, and motions of the base, are independent.
+  // False: the forces of different areas, and the motions of the base, are
+  // independent, so that each P_b is diagonal.
   bool correlated = true;
-  // Number of knots of the spectrum. 1: white; 0: one per octave of the band.
+  // Number of knots of the spectrum. 1: white noise. 0: one knot per octave of
+  // the band.
   int knots = 0;
 
   // Measured inputs, one row per input of the dynamics, with as many samples as
-  // the record. Loads need linear dynamics. Covariates that groups follow enter
-  // with their mean over the record.
+  // the record. Measured loads need linear dynamics. Covariates that groups
+  // follow are replaced by their mean over the record.
   std::optional<Excitation> inputs;
-  // Filter that the reader already applied to `samples`. The cost applies it to
-  // the response to measured loads.
+  // Filter that was already applied to `samples`; null: none. The fit applies
+  // it to the response to measured loads.
   std::shared_ptr<const ZeroPhaseFilter> filter;
 
-  // Band of the fit, in cycles per model time. Default (0): from 0.3 of the
-  // lowest frequency of the initial model to 1.5 of its highest, and at most
-  // 0.8 of half the sampling rate.
+  // Band of the fit, in cycles per unit of the model's time. Default (0): from
+  // 0.3 times the lowest frequency of the initial model to 1.5 times its
+  // highest, and at most 0.4 times the sampling rate.
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
 
-  // Returns the rows of `inputs` that are loads and vary with time.
+  // Returns the rows of `inputs` that are loads and vary with time, loads x
+  // samples.
   Matrix MeasuredLoads(const StructuralDynamics& dynamics) const;
   bool HasMeasuredLoads(const StructuralDynamics& dynamics) const {
     return MeasuredLoads(dynamics).rows() > 0;
   }
-  // Returns the dynamics with the covariates of groups at their means over the
+  // Returns the dynamics with each covariate of a group at its mean over the
   // record.
   StructuralDynamics AveragedDynamics(const StructuralDynamics& dynamics) const;
-  // Returns the frequency (cycles per model time) of the initial model's lowest
-  // mode inside the band; 0: none.
+  // Returns the frequency of the initial model's lowest mode inside the band,
+  // in cycles per unit of the model's time. 0: none.
   double LowestModeInBand(const StructuralDynamics& dynamics) const;
 
-  // Checks that channels are displacements, velocities, accelerations or
-  // strains with sizes that fit the dynamics, that there are at least 200
-  // samples, and that the loads exist. On failure *error says what is wrong.
+  // Checks the record: channels are displacements, velocities, accelerations or
+  // strains; sizes fit the dynamics; there are at least 200 samples; the loads
+  // exist. On failure returns false, with a sentence in *error.
   [[nodiscard]] bool IsValid(const StructuralDynamics& dynamics,
                              std::string* error) const;
 };
 
-// Evidence for the spectrum of a record's loads, in natural logarithms, see
-// JudgeLoads.
+// Evidence for the fitted spectrum of the loads, in natural logarithms (R. E.
+// Kass and L. Wasserman 1995; see JudgeLoads).
 struct LoadEvidence {
-  // Logarithm of the likelihood, without the prior of the covariances; and the
-  // evidence's price for the loads and noise that were fitted.
+  // Logarithm of the likelihood, without the prior of the covariances, and the
+  // price of the fitted loads and noise. The evidence is their difference.
   double log_likelihood = 0.0;
   double price = 0.0;
-  // Increases of both for a spectrum with one more knot between any two,
-  // estimated before it is fitted. 0 knots: the finer spectrum was not
-  // examined.
+  // Number of knots of a finer spectrum, with one more knot between any two,
+  // and the increases of likelihood and price that it would bring. They are
+  // estimated without a fit. 0 knots: no finer spectrum was examined.
   int finer_knots = 0;
   double finer_gain = 0.0;
   double finer_price = 0.0;
 
+  // True if the finer spectrum is worth its price.
   bool PromisesMore() const {
     return finer_knots > 0 && finer_gain > finer_price;
   }
@@ -107,40 +118,44 @@ struct AmbientScore {
   std::string name;
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
+  // Number of lines (discrete frequencies) in the band.
   Eigen::Index num_lines = 0;
-  int num_knots = 0;  // of the loads' spectrum
+  int num_knots = 0;  // of the spectrum of the loads
   LoadEvidence evidence;
-  // Test of the whitened lines: if the model is right, each has power one, and
-  // means over parts of the band deviate from one by chance alone.
-  // `probability` is that of a chi^2 as large as the one found. `worst_from` to
-  // `worst_to` (cycles per model time) is the part that deviates most, by
-  // `worst_deviation` standard deviations.
+  // Test of the model by whitened lines. If the model is right, each line has
+  // the power 1, and means over parts of the band deviate from 1 by chance
+  // only. `probability` is the probability of a chi^2 at least as large as the
+  // one found.
   double chi_square = 0.0;
   Eigen::Index degrees_of_freedom = 0;
   double probability = 1.0;
-  // Test of the remainder after the response to measured loads: if the model is
-  // right, its correlation with that response is due to chance. Probability of
-  // a chi^2 as large as the one found.
+  // Test of the record minus the response to measured loads. If the model is
+  // right, it correlates with that response by chance only. The value is the
+  // probability of a chi^2 at least as large as the one found.
   double coherence_probability = 1.0;
+  // Part of the band that deviates most, in cycles per unit of the model's
+  // time, and its deviation from 1 in standard deviations.
   double worst_from = 0.0, worst_to = 0.0, worst_deviation = 0.0;
-  // Per channel: share of its power in the band that the structure's motion
-  // explains, the rest being noise; share that measured loads alone explain
-  // (empty: no measured loads); standard deviation of the noise over all
-  // frequencies, in the channel's unit.
+  // Results per channel. `explained` is the fraction of its power in the band
+  // that the motion of the structure explains; the rest is noise.
+  // `by_measured_loads` is the fraction that measured loads alone explain;
+  // empty: no measured loads. `noise_sigma` is the standard deviation of the
+  // noise over all frequencies, in the channel's unit.
   std::vector<std::string> channels;
   Vector explained;
   Vector by_measured_loads;
   Vector noise_sigma;
-  // Free groups, and the share of the record's information on each (the inverse
-  // of a variance) that is left when the loads are unknown.
-  // `most_information_left` is the largest such share of any combination of
-  // groups.
+  // Names of the free groups. `information_left` has for each the fraction of
+  // the record's information (1 / variance) that is left because the loads are
+  // unknown. `most_information_left` is the largest such fraction of any
+  // combination of groups.
   std::vector<std::string> groups;
   Vector information_left;
   double most_information_left = 1.0;
-  // Spectral densities over a grid of frequencies, channels x grid: measured
-  // (means of lines, without the response to measured loads) and modelled, with
-  // the number of lines.
+  // Spectral densities of the channels, channels x frequencies, measured and
+  // modelled. `frequencies` are in cycles per unit of the model's time.
+  // Measured values are means over `lines` lines, without the response to
+  // measured loads.
   Vector frequencies;
   Matrix measured;
   Matrix modelled;
@@ -152,10 +167,11 @@ struct AmbientScore {
   }
 };
 
-// Probability below which the intervals are those of a sandwich estimate.
+// Value of LeastProbability() below which intervals come from a sandwich
+// estimate of the covariance.
 inline constexpr double kDoubtfulAmbientProbability = 0.05;
 
-// Largest number of unknowns of the loads' covariances, over all knots.
+// Largest allowed number of unknowns in the P_b of all knots together.
 inline constexpr Eigen::Index kMostLoadUnknowns = 4000;
 
 }  // namespace pinode

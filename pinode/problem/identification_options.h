@@ -1,4 +1,4 @@
-// How a problem is solved.
+// Options of a fit, and its progress.
 
 #ifndef PINODE_PROBLEM_IDENTIFICATION_OPTIONS_H_
 #define PINODE_PROBLEM_IDENTIFICATION_OPTIONS_H_
@@ -19,88 +19,106 @@ struct IdentifiedModel;
 
 // Progress of a running fit, for programs that show or save it.
 struct IdentificationProgress {
-  int stage = 0;  // from 1
+  int stage = 0;  // number of the stage, from 1
   int num_stages = 0;
   Eigen::Index segment_samples = 0;  // longest segment of the stage
-  int iteration = 0;                 // Levenberg-Marquardt iterations so far
+  int iteration = 0;                 // iterations so far, all stages
   double cost = 0.0;
   double largest_gap = 0.0;  // in units of the state's RMS
-  // The newest one measured, nrmse over all channels: as the stage began, and
-  // while networks are annealed, at every iteration. Infinite where the free
-  // run is.
+  // Error (nrmse over all channels) of the latest simulation of the training
+  // records. Simulations are run at the begin of each stage, and at every
+  // iteration while networks are annealed. Infinite: the simulation diverged.
   double free_run_error = 0.0;
   double elapsed_seconds = 0.0;
-  double expected_seconds = 0.0;  // in all, at this pace; an upper bound
-  // Parameters, noise levels and decay at this iteration and the stage; what
-  // Identify takes to go on from here. Without starts. While annealed networks
-  // predict worse than the first fit, it is the first fit's.
+  // Upper bound of the duration of the whole fit at the present speed.
+  double expected_seconds = 0.0;
+  // Parameters, noise levels and decay at this iteration, and the stage,
+  // without starts. Identify can continue from this model. While annealed
+  // networks predict worse than the first fit, this is the model of the first
+  // fit.
   const IdentifiedModel* model = nullptr;
 };
 
+// Options of a fit.
 struct IdentificationOptions {
   enum class Shooting { kMultiple, kSingle };
+  // Method of the covariance of the parameters, see `covariance`.
   enum class Covariance { kAuto, kPlain, kSandwich };
 
-  // Multiple shooting reaches solutions that a long free run does not lead to
-  // (H. G. Bock, 1981); the last stage is a free run wherever that is stable.
+  // Multiple shooting (H. G. Bock 1981) or one segment per record. Multiple
+  // shooting reaches solutions that a long simulation does not lead to. Its
+  // last stage is a simulation of whole records if that is stable.
   Shooting shooting = Shooting::kMultiple;
 
-  // Segment length of the first stage in samples; 0: a quarter of the longest
+  // Segment length of the first stage in samples. 0: a quarter of the longest
   // period, and at least ten samples.
   Eigen::Index segment_samples = 0;
 
-  // Levenberg-Marquardt iterations in all stages together.
+  // Largest number of Levenberg-Marquardt iterations in all stages together.
   int max_num_iterations = 2000;
 
   // Relative change of the cost that ends a solve.
   double function_tolerance = 1e-10;
 
-  // Derivatives by hand-made tangents or by Jets through the whole segment.
-  // They agree up to rounding; tangents are many times faster.
+  // Method for the derivatives: tangents coded by hand, or Jets through whole
+  // segments. They agree up to rounding. Tangents are many times faster.
   DerivativeMethod derivatives = DerivativeMethod::kTangents;
 
+  // Loss function of the residuals. Residuals beyond `loss_scale` count less.
   RobustLoss loss = RobustLoss::kNone;
-  double loss_scale = 3.0;  // in units of sigma
+  double loss_scale = 3.0;  // in units of the noise's sigma
 
-  // kAuto: where an input has noise, its errors are unknowns of the fit
-  // (FitWithInputNoise) or, where that cannot be, enter the covariance;
-  // block-sandwich where residuals are autocorrelated; else the plain inverse
-  // Hessian. The others are of the fit that takes the excitation as exact.
+  // Method of the covariance of the parameters:
+  // - kPlain: the inverse Hessian;
+  // - kSandwich: a sandwich estimate over blocks of samples, for autocorrelated
+  //   residuals;
+  // - kAuto: kSandwich if residuals are autocorrelated, else kPlain. If an
+  // input
+  //   has noise, its errors are unknowns of the fit (FitWithInputNoise). If
+  //   that is impossible, they are included in the covariance.
+  // kPlain and kSandwich assume that the excitation is exact.
   Covariance covariance = Covariance::kAuto;
 
-  // Predictions get bands. Fits that are only compared need none.
+  // True: computes RecordScore::deviations. Fits that are only compared do not
+  // need them.
   bool prediction_bands = true;
 
-  // The states of the free runs are kept in the summary, 8 bytes a
-  // state and sample: for what looks at restoring forces, or searches for
-  // terms.
+  // True: keeps the states of the simulations, 8 bytes per state and sample.
+  // Plots of restoring forces and the search for terms need them.
   bool keep_states = true;
 
-  // Number of starts for multistart; the first is the given one, the others
-  // are drawn within bounds and priors (stiffness groups without, between half
-  // and twice the nominal, damping groups between a third and three times),
-  // networks from other seeds. 0: 8 where a linear structure is not given a
-  // start and has at least twice as many stiffness groups as a record has
-  // sensors, for then other stiffnesses may do as well or better (F. E.
-  // Udwadia, D. K. Sharma, SIAM J. Appl. Math. 34 (1978) 104-118); 16 for
-  // frequencies without shapes; else 1.
+  // Number of starts of the fit. The first start has the given initial values.
+  // Other starts are drawn within bounds and priors. Without them, stiffness
+  // groups are drawn between half and twice the nominal value, damping groups
+  // between a third and three times. Networks get other seeds.
+  //
+  // The default, 0, chooses the number:
+  // - 8 for a linear structure without given initial values that has at least
+  //   twice as many stiffness groups as a record has sensors, because other
+  //   stiffnesses may then fit as well (F. E. Udwadia, D. K. Sharma, SIAM J.
+  //   Appl. Math. 34 (1978) 104-118);
+  // - 16 for frequencies without shapes;
+  // - else 1.
   int num_starts = 0;
+  // Seed of the random starts, and number of threads.
   uint64_t seed = 1;
 
   int num_threads = 1;
 
-  // Ranks that solve the problem together, each of which calls Identify with
-  // the same problem and options and has the same outcome, of which the first
-  // one alone keeps the histories (RecordScore); nullptr: a single process.
+  // Ranks that solve the problem together; nullptr: a single process. Each rank
+  // calls Identify with the same problem and options, and gets the same result.
+  // Only the first rank keeps the histories of RecordScore.
   Communicator* communicator = nullptr;
 
-  // For studies; what a user needs is an option above.
+  // Constants for studies of the method. Users need only the options above.
   Tuning tuning;
 
-  // Called after each iteration; false stops the fit, keeping the best so far.
+  // Function that is called after each iteration. If it returns false, the fit
+  // stops and keeps its best result.
   std::function<bool(const IdentificationProgress&)> callback;
 
-  // Sizes and signs; on failure names the option and the violated constraint.
+  // Checks sizes and signs. On failure returns false, and *error names the
+  // option and the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

@@ -1,5 +1,4 @@
-// The identification problem: dynamics with unknowns, records and measured
-// modes.
+// Problem to be identified: dynamics with unknowns, records and measured modes.
 
 #ifndef PINODE_PROBLEM_IDENTIFICATION_PROBLEM_H_
 #define PINODE_PROBLEM_IDENTIFICATION_PROBLEM_H_
@@ -22,55 +21,61 @@
 
 namespace pinode {
 
-// Measured values of a sensor, and the observation that predicts them,
+// Measured values y of a sensor, and the observation that predicts them:
 //
 //   y(t) = gain * observation(t - delay) + offset + noise.
 struct MeasuredChannel {
   Observation observation;
-  // One value per sample in the model's units; NaN where missing.
+  // Measured values in the model's units, one per sample. NaN: missing.
   Vector values;
   // Standard deviation of the noise in the model's units; 0: estimate it.
   double sigma = 0.0;
-  // False: predicted and scored, but not fitted.
+  // False: the channel is predicted and scored, but not fitted.
   bool fit = true;
-  // Indices into IdentificationProblem::sensors, -1 for an ideal sensor.
+  // Indices of gain, offset and delay in IdentificationProblem::sensors. -1:
+  // the ideal value (1, 0, 0).
   int gain = -1;
   int offset = -1;
   int delay = -1;
   ChannelDescription description;
 };
 
+// Record: inputs and measured channels over the same samples.
 struct IdentificationRecord {
+  // kTrain: fitted. kHoldout: only predicted and scored.
   enum class Role { kTrain, kHoldout };
+  // Initial state. kRest: zero. kKnown: known_start. kFree: found from the
+  // record.
   enum class Start { kRest, kKnown, kFree };
 
   std::string name;
   Role role = Role::kTrain;
-  // Inputs of the dynamics, one row each, in their order (no rows if there are
-  // none). They have as many samples as the record.
+  // Inputs of the dynamics, one row each in their order, with as many samples
+  // as the record. No rows if the dynamics have no inputs.
   std::optional<Excitation> excitation;
-  // Standard deviation of the noise of each input (empty: none). It enters the
-  // intervals, see InputNoise in pinode/theory/intervals.md.
+  // Standard deviation of the noise of each input, in its unit. Empty: no
+  // noise. It widens the intervals, see "Input noise" in
+  // pinode/theory/intervals.md.
   Vector input_sigma;
   Start start = Start::kFree;
-  Vector known_start;  // num_states, for kKnown
-  // Number of first samples that a free start is found from. They are not
-  // scored in a hold-out record; 0 there means a twentieth of the record. In a
-  // training record, PrepareProblem makes the start known; 0 there makes it an
-  // unknown of the fit.
+  Vector known_start;  // num_states entries, for kKnown
+  // Number of samples at the begin from which a free start is found. In a
+  // hold-out record these samples are not scored; 0 stands for 5 % of the
+  // record. In a training record PrepareProblem finds the start, which is then
+  // known; 0 makes it an unknown of the fit.
   Eigen::Index start_samples = 0;
   std::vector<MeasuredChannel> channels;
-  // Filter that the reader already applied to `values`. It is applied to the
-  // prediction too.
+  // Filter that was already applied to the values of the channels; null: none.
+  // The fit applies it to the prediction too.
   std::shared_ptr<const ZeroPhaseFilter> filter;
   // Runge-Kutta steps per sample. 0: PrepareProblem chooses them.
   int substeps = 0;
   // True if PrepareProblem chose `substeps` for the dynamics.
   bool substeps_chosen = false;
-  // Integrator of the record. Not given: see IntegratorOf.
+  // Integrator of the record. No value: IntegratorOf chooses it.
   std::optional<Integrator> integrator;
-  // Steps of ExponentialStep per sample, set by PrepareProblem. 0: it is not
-  // used.
+  // Steps of the exponential integrator per sample, set by PrepareProblem. 0:
+  // this integrator is not used.
   int exponential_steps = 0;
   RecordDescription description;
 
@@ -80,38 +85,44 @@ struct IdentificationRecord {
   // Returns the observations of the channels, in their order.
   std::vector<Observation> Observations() const;
 
+  // Number of samples, and time between them in the model's unit.
   Eigen::Index num_samples() const { return excitation->num_samples(); }
   double sampling_step() const { return excitation->step(); }
 };
 
+// Problem to be identified.
 struct IdentificationProblem {
-  // Dynamics; initial values, bounds, priors and free flags are those of its
-  // blocks.
+  // Dynamics. Its parameter blocks hold the initial values, bounds, priors and
+  // the flags of free parameters.
   std::shared_ptr<const StructuralDynamics> dynamics;
   std::vector<IdentificationRecord> records;
-  // Measured modes, with the records or alone.
+  // Measured modes, with or without records.
   ModalData modal;
-  // Records under loads that were not measured, with the others or alone.
+  // Records under loads that were not measured, with or without other records.
   std::vector<AmbientRecord> ambient;
-  // Gains (initially 1), offsets (the channel's unit) and delays (s).
+  // Unknowns of sensors: gains (dimensionless, initially 1), offsets (in the
+  // channel's model unit) and delays (in the model's unit of time).
   ParameterBlock sensors;
-  // Description for reports and result files; takes no part in the fit.
+  // Description for reports and result files. It does not affect the fit.
   ProblemDescription description;
 
+  // Number of training records, without ambient ones.
   int num_train_records() const;
 
-  // True if the ground, a force or an actuator drives the structure in a
+  // True if ground motion, a force or an actuator drives the structure in this
   // record. Covariates and switches do not drive it.
   bool IsDriven(const IdentificationRecord& record) const;
 
-  // Returns the channel's initial gain. It is 1 without a gain, or if the
-  // initial gain is zero.
+  // Returns the initial gain of a channel. Returns 1 for a channel without a
+  // gain, or if its initial gain is 0.
   double InitialGain(const MeasuredChannel& channel) const;
-  // Returns the record that ideal sensors would give, by these gains.
+  // Returns the record that ideal sensors would give: values divided by the
+  // initial gains.
   IdentificationRecord AsSeenByIdealSensors(
       const IdentificationRecord& record) const;
 
-  // Return the unit of the channel's original values, and where it measures.
+  // Return the unit of the channel's original values, and the place of the
+  // sensor.
   std::string UnitOf(const MeasuredChannel& channel) const;
   std::string LocationOf(const MeasuredChannel& channel) const;
 
@@ -128,8 +139,9 @@ struct IdentificationProblem {
   // - sizes and indices of channels, sensors, starts and input noise fit the
   //   dynamics, and no deviation is negative.
   //
-  // On failure *error names the record, channel or mode, and what was expected.
-  // Functions that take a problem call this first, and abort on none.
+  // On failure returns false, and *error names the record, channel or mode, and
+  // the expected value. Functions that take a problem call this first, and fail
+  // instead of aborting.
   [[nodiscard]] bool IsValid(std::string* error) const;
 };
 

@@ -15,28 +15,30 @@
 
 namespace pinode {
 
-// Outcome of Identify: its last fit, judged. A summary starts as not usable.
+// Result of Identify: its last fit, with a verdict. A new summary has the grade
+// "not usable".
 struct IdentificationSummary : FitSummary {
   IdentificationSummary() = default;
   explicit IdentificationSummary(FitSummary fit) : FitSummary(std::move(fit)) {}
 
-  // Verdict and the findings it follows from.
+  // Verdict, and the findings from which it follows.
   Verdict verdict;
   bool usable() const { return verdict.usable(); }
 
-  // Refits with more unknowns that describe the records better than the model
-  // as it is, best first (study/explanations/explain.h).
+  // Explanations: refits with further unknowns that describe the records
+  // better, best first (pinode/study/explanations/explain.h).
   std::vector<Explanation> explanations;
 
-  // Choice among candidate terms (study/terms/term_choice.h). Empty: the
+  // Choice among candidate terms (pinode/study/terms/term_choice.h). Empty: the
   // problem had no candidates.
   ModelChoice choice;
-  // Profiles of the likelihood, where the case asks for them
-  // (estimate/certainty/profile.h).
+  // Profiles of the likelihood, if the case asks for them
+  // (pinode/estimate/certainty/profile.h), and their computing time.
   std::vector<ParameterProfile> profiles;
   double profile_seconds = 0.0;
 
-  // Verdict, message, iterations and gaps in one line, the parameters below.
+  // Returns a short report: one line with verdict, message, iterations and
+  // gaps, then one line per parameter.
   std::string BriefReport() const;
 };
 

@@ -1,4 +1,4 @@
-// Choice among a problem's candidate terms, with the reasons.
+// Choice among the candidate terms of a problem, with the fits that led to it.
 
 #ifndef PINODE_PROBLEM_MODEL_CHOICE_H_
 #define PINODE_PROBLEM_MODEL_CHOICE_H_
@@ -8,17 +8,18 @@
 
 namespace pinode {
 
+// Result of the choice, see pinode/study/terms/term_choice.h.
 struct ModelChoice {
-  // One fit that was compared with the one before it.
+  // One fit, compared with the last accepted one.
   struct Step {
-    // Candidates that the fit left out, and those that it took in again.
+    // Candidates that this fit left out, and candidates that it included again.
     std::vector<std::string> left_out;
     std::vector<std::string> taken_in;
-    // True if the other terms could be fitted and the criterion became smaller.
+    // fitted: the fit succeeded. accepted: it also made the criterion smaller.
     bool fitted = false;
     bool accepted = false;
-    // Changes of the deviance, divided by `memory`, and of the price of the
-    // unknowns; negative values are gains.
+    // Changes of the deviance (twice the cost) divided by `memory`, and of the
+    // price of the unknowns. The criterion is their sum; negative is better.
     double deviance = 0.0;
     double price = 0.0;
 
@@ -28,18 +29,18 @@ struct ModelChoice {
   // Names of the candidate terms, in the problem's order.
   std::vector<std::string> candidates;
   std::vector<std::string> left_out;
-  // Unknowns that were left out with them.
+  // Names of the parameters of the terms that were left out.
   std::vector<std::string> left_out_parameters;
-  // Factor between the number of residuals and their effective number in the
-  // fit with all candidates, see FittedCost.
+  // Number of residuals divided by the number of independent ones, in the fit
+  // with all candidates. See FittedCost.
   double memory = 1.0;
   std::vector<Step> steps;
-  bool complete = false;  // false: cut off
+  bool complete = false;  // false: the choice was interrupted
 
   bool empty() const { return candidates.empty(); }
 
-  // Returns "Model choice: 3 candidates, 1 kept (oil); ..." with the criterion
-  // of each step.
+  // Returns the choice in words, with the criterion of each step: "Model
+  // choice: 3 candidates, 1 kept (oil); ...".
   std::string Sentence() const;
 };
 

@@ -1,4 +1,5 @@
-// The free unknowns of a problem, as one vector.
+// Order of a problem's parameters in one vector, and of the free ones in
+// another.
 
 #ifndef PINODE_PROBLEM_PARAMETER_LAYOUT_H_
 #define PINODE_PROBLEM_PARAMETER_LAYOUT_H_
@@ -11,16 +12,17 @@
 
 namespace pinode {
 
-// All parameters of a problem in one flat vector, dynamics first, then sensors.
-// The free ones among them form a second vector, in the same order. This second
-// vector is the parameter block that Ceres sees.
+// Order of a problem's parameters. One vector has all parameters, first those
+// of the dynamics, then those of sensors. A second vector has the free ones in
+// the same order. The second vector is the parameter block that Ceres changes.
 //
-// Names in this layer: `parameters` are all of the problem's. `theta` are all
-// of the dynamics', which come first among them. `free` are the free ones. An
-// `index` counts among all of them; `j` and a column of a derivative count
-// among the free ones.
+// Names in this layer of code: `parameters` is the vector of all, `theta` its
+// first part with all parameters of the dynamics, `free` the vector of free
+// ones. An `index` counts in `parameters`. `j`, and the columns of derivatives,
+// count in `free`.
 class ParameterLayout {
  public:
+  // Copies the parameters of `problem`, which must be valid.
   explicit ParameterLayout(const IdentificationProblem& problem);
 
   int num_parameters() const { return static_cast<int>(all_.size()); }
@@ -30,22 +32,24 @@ class ParameterLayout {
   const Parameter& parameter(int index) const {
     return all_[static_cast<size_t>(index)];
   }
-  // True if the entry is reported by name (not a network weight).
+  // True if reports list the parameter by name; false for network weights.
   bool IsNamed(int index) const { return named_[static_cast<size_t>(index)]; }
 
-  // Group of parameters that share one decay precision. For a network: the
-  // weights of each input, those of each output, the hidden biases, and each
-  // layer in between. For a network of time alone: the weights of each output.
-  // With precisions chosen by the evidence this is automatic relevance
-  // determination (R. M. Neal, Bayesian Learning for Neural Networks, 1996):
-  // unneeded inputs and outputs are shrunk away. For unknown forces and curves
-  // of groups: the groups of their CombinationPrior.
+  // Group of parameters whose Gaussian priors of mean zero share one precision.
+  // A network has one group for the weights of each input, of each output and
+  // of each layer in between, and one for the hidden biases. A network of time
+  // alone has one for the weights of each output. Unknown forces and curves
+  // have the groups of their CombinationPrior.
+  //
+  // The evidence can choose the precisions. For networks this is automatic
+  // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,
+  // 1996): weights of inputs and outputs that are not needed shrink to zero.
   struct DecayGroup {
     enum class Kind { kInput, kLayer, kOutput, kBiases, kForce, kCurve };
-    int network = -1;  // -1: not in any network
+    int network = -1;  // index; -1: not of a network
     std::string name;
     Kind kind = Kind::kLayer;
-    double given = -1.0;  // negative: the evidence chooses
+    double given = -1.0;  // precision; negative: chosen by the evidence
 
     bool IsGiven() const { return given >= 0.0; }
   };
@@ -53,16 +57,16 @@ class ParameterLayout {
   int num_decay_groups() const {
     return static_cast<int>(decay_groups_.size());
   }
-  // True if any of the groups is a network's, or an unknown force's.
+  // True if there is a group of a network, or of an unknown force.
   bool HasNetworkDecay() const;
   bool HasForceDecay() const;
 
-  // Decay of a combination: weights . (free parameters from `first` on) is
-  // normally distributed around zero with the precision of its group. A
-  // network's weight forms a row of its own.
+  // Prior of one combination of free parameters. The sum of `weights` times the
+  // free parameters from `first` on has mean zero and the precision of its
+  // group. A network's weight is a combination of its own.
   struct DecayRow {
     int group = -1;
-    int first = 0;  // among the free ones
+    int first = 0;  // index in `free`
     Vector weights;
 
     double Value(const Vector& free) const {
@@ -71,12 +75,12 @@ class ParameterLayout {
   };
   const std::vector<DecayRow>& decay_rows() const { return decay_rows_; }
 
-  // Index of the decay group of a network's weight; -1 for anything else.
+  // Returns the decay group of a network's weight; -1 for any other parameter.
   int DecayGroupOf(int index) const {
     return decay_group_[static_cast<size_t>(index)];
   }
 
-  // Indices of the free parameters in the full vector.
+  // Indices of the free parameters in `parameters`, num_free() entries.
   const std::vector<int>& free() const { return free_; }
   // The j-th free parameter.
   const Parameter& free_parameter(int j) const {
@@ -85,16 +89,18 @@ class ParameterLayout {
   // Number of free parameters of the dynamics. They come first and are in the
   // order of the dynamics' tangent columns. Sensors' parameters follow.
   int num_free_dynamics() const { return num_free_dynamics_; }
-  // Position among the free parameters, -1 where fixed.
+  // Returns the position of a parameter in `free`; -1 if it is fixed.
   int FreeIndex(int index) const {
     return free_index_[static_cast<size_t>(index)];
   }
-  // Position by name; -1 also if there is no such parameter.
+  // Returns the position by name; -1 also if there is no such parameter.
   int FreeIndex(const std::string& name) const;
 
+  // Returns the initial values of all parameters, in their units.
   Vector InitialValues() const;
+  // Returns the free entries of `all` (num_parameters() entries).
   Vector Free(const Vector& all) const;
-  // Replaces the free entries of `all`.
+  // Replaces the free entries of `all` by `free` (num_free() entries).
   void SetFree(const Vector& free, Vector* all) const;
 
  private:

@@ -1,4 +1,4 @@
-// Verdict on a result, and the findings that it follows from.
+// Verdict on a result, and the findings from which it follows.
 
 #ifndef PINODE_PROBLEM_VERDICT_H_
 #define PINODE_PROBLEM_VERDICT_H_
@@ -10,21 +10,23 @@
 
 namespace pinode {
 
-// From best to worst. `kWithCare`: usable, with the findings in mind.
+// Grade of a result, from best to worst. kWithCare: usable if the findings are
+// kept in mind.
 enum class Grade { kGood, kWithCare, kNotUsable };
-// "good", "with_care", "not_usable": as in result.json.
+// Returns "good", "with_care" or "not_usable", as in result.json.
 const char* GradeName(Grade grade);
-// "Good", "Usable with care", "Not usable": as in reports.
+// Returns "Good", "Usable with care" or "Not usable", as in reports.
 const char* GradeTitle(Grade grade);
 
-// A failed check.
+// Finding: a check that has failed.
 struct Finding {
-  // Name of the check for programs, such as "open_gaps". Stable.
+  // Name of the check for programs, such as "open_gaps". It does not change
+  // between versions.
   std::string check;
   // Description with its numbers, without a period at the end.
   std::string what;
-  // Number that was checked and the limit that it crossed; NaN if the check has
-  // none.
+  // Number that was checked, and the limit that it has crossed. NaN if the
+  // check has none.
   double number = kNaN;
   double limit = kNaN;
   // Advice to the user. Empty: none.
@@ -32,28 +34,29 @@ struct Finding {
   // Best grade that the finding still allows.
   Grade grade = Grade::kNotUsable;
 
-  // "<what>; <advice>".
+  // Returns "<what>; <advice>".
   std::string Sentence() const;
 };
 
-// Check of motion that a model does not explain.
+// Name of the check of unexplained motion.
 inline constexpr char kUnexplainedMotion[] = "unexplained_motion";
 
-// Verdict on a result. Its grade is a function of its findings and of nothing
-// else: the best grade that all of them allow.
+// Verdict on a result. Its grade is the best one that all findings allow. It
+// depends on nothing else.
 class Verdict {
  public:
-  // A result that nothing has judged is not usable; it has one finding that
-  // says so.
+  // Creates the verdict of a result that was not checked. Its grade is
+  // kNotUsable, and its only finding says so.
   Verdict();
-  // Only the failed checks are listed. None: good.
+  // Creates the verdict that follows from the checks that failed. If there are
+  // none, the grade is kGood.
   explicit Verdict(std::vector<Finding> findings);
 
   Grade grade() const { return grade_; }
   bool usable() const { return grade_ != Grade::kNotUsable; }
   const std::vector<Finding>& findings() const { return findings_; }
-  // True if nothing speaks against the result but motion that it does not
-  // explain: what explains it may still be found.
+  // True if unexplained motion is the only finding. Its explanation may still
+  // be found.
   bool MissesMotionAlone() const;
 
  private:
@@ -61,7 +64,8 @@ class Verdict {
   Grade grade_ = Grade::kNotUsable;
 };
 
-// A named parameter of the problem under an explanation.
+// Value and 95 % interval of a named parameter under an explanation, in the
+// parameter's unit.
 struct ExplainedValue {
   std::string name;
   double value = kNaN;
@@ -69,43 +73,44 @@ struct ExplainedValue {
   double upper95 = kNaN;
 };
 
-// Something that the model does not have among its unknowns and that would
-// describe the records better: another unknown, or several together, refitted
-// with all others.
+// Explanation of unexplained motion: one or several further unknowns with which
+// the model describes the records better. All unknowns were fitted again with
+// them.
 struct Explanation {
   // Description with its values, such as "damping of the whole structure by one
   // factor, +31 (29 to 33) %".
   std::string what;
-  // Kind for programs: "damping", "mass", "stiffness", "bound", "nonlinear",
-  // "sensor_gain", "sensor_delay", "sensor_offset", "sensors_exchanged",
-  // "excitation_delay", "excitation_scale", "clock_rate". Several together are
-  // joined by "+".
+  // Kind for programs, one of "damping", "mass", "stiffness", "bound",
+  // "nonlinear", "sensor_gain", "sensor_delay", "sensor_offset",
+  // "sensors_exchanged", "excitation_delay", "excitation_scale", "clock_rate".
+  // Kinds of several unknowns are joined by "+".
   std::string kind;
-  // Name of the DOF, group or sensor, joined likewise. Empty: the whole
-  // structure.
+  // Name of the DOF, group or sensor. Several are joined by "+". Empty: the
+  // whole structure.
   std::string place;
-  // Logarithm of its odds against the model as it is. Number of unknowns,
-  // number of candidates and memory of the residuals are allowed for.
+  // Natural logarithm of the odds of the explanation relative to the present
+  // model. It allows for the number of unknowns, the number of candidates, and
+  // the correlation of residuals from sample to sample.
   double log_odds = 0.0;
-  // Probability among all that were tried and the model as it is, each equally
-  // probable before.
+  // Probability among the present model and all explanations that were tried.
+  // Their prior probabilities are equal.
   double probability = 0.0;
-  // Value of its first unknown, with a 95 % interval: a fraction of what the
-  // model has (damping, mass, stiffness, clock rate), a gain, a delay, or the
-  // coefficient of a force. NaN if it has no unknown.
+  // Value of the first further unknown, with its 95 % interval. It is a
+  // fraction of the model's value (damping, mass, stiffness, clock rate), a
+  // gain, a delay, or the coefficient of a force. NaN: there is no unknown.
   double value = kNaN;
   double lower95 = kNaN;
   double upper95 = kNaN;
-  // Share of the squared error of the records that it removes.
+  // Fraction of the records' squared error that the explanation removes.
   double removes = 0.0;
-  // Unexplained motion under it, as a fraction, of the training records the
-  // largest.
+  // Remaining unexplained motion, as a fraction of the measured motion; the
+  // largest value of the training records.
   double leaves = kNaN;
-  // Named parameter that it moves most, and by how many half-widths of the 95 %
-  // interval. Empty: the model has no interval.
+  // Named parameter that the explanation changes most, and its change in half
+  // widths of the 95 % interval. Empty: the model has no intervals.
   std::string moved;
   double shift = 0.0;
-  // The model's own named unknowns under it.
+  // Values of the model's own named parameters under the explanation.
   std::vector<ExplainedValue> values{};
 };
 
