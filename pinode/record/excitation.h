@@ -1,4 +1,5 @@
-// Measured inputs of a structure (ground accelerations, forces), at any time.
+// Measured inputs of a structure, such as ground accelerations and forces, at
+// any time.
 
 #ifndef PINODE_RECORD_EXCITATION_H_
 #define PINODE_RECORD_EXCITATION_H_
@@ -13,9 +14,9 @@ namespace pinode {
 struct Channel;
 struct Record;
 
-// Interpolation of an input between two samples. The user states it; it is
-// never guessed. Held instead of linear moves an identified stiffness by one
-// per cent.
+// Interpolation of an input between two samples. The user must state it,
+// because the wrong one changes the result: with kHeld in place of kLinear, an
+// identified stiffness may change by 1 %.
 //
 //   held    the left sample, up to the next one
 //   linear  the straight line
@@ -32,52 +33,53 @@ enum class Interpolation { kHeld, kLinear, kCubic, kBandLimited };
 
 // Returns "held", "linear", "cubic" or "band_limited".
 const char* InterpolationName(Interpolation interpolation);
-// Parses such a name. Returns false, with *interpolation unchanged, for any
-// other.
+// Parses such a name. For any other text returns false and leaves
+// *interpolation unchanged.
 [[nodiscard]] bool ParseInterpolation(const std::string& name,
                                       Interpolation* interpolation);
 
-// Uniformly sampled inputs. A time is given by its sample interval and the
-// fraction of that interval. Integrators step inside intervals. A held input
-// must keep the left sample up to the interval's right end, where the next
-// interval begins with another value.
+// Uniformly sampled inputs. An instant is given by its sample interval and a
+// fraction of this interval, because integrators step inside intervals. At the
+// right end of an interval a held input still has the left sample. The next
+// interval begins with the next sample.
 class Excitation {
  public:
-  // `samples` is inputs x samples, and sample i is at start_time + i * step. No
-  // inputs (0 rows) are allowed. The constructor checks nothing.
-  // IdentificationProblem::IsValid checks that numbers are finite, that the
-  // step is positive and that there are samples. With `periodic` the samples
-  // are whole periods, and the first sample follows the last one. Otherwise the
-  // last values hold.
+  // Creates the excitation. `samples` is inputs x samples, in any units; 0 rows
+  // are allowed. Sample i is at start_time + i * step, with both in one unit of
+  // time. If `periodic` is true, the samples are whole periods, and the first
+  // sample follows the last one. Otherwise the last values hold.
+  //
+  // The constructor checks nothing. IdentificationProblem::IsValid checks that
+  // numbers are finite, that the step is positive and that there are samples.
   Excitation(double start_time, double step, Matrix samples,
              Interpolation interpolation, bool periodic = false);
 
-  // Computes the inputs at start_time + (interval + fraction) * step, 0 <=
-  // fraction <= 1, into inputs[0 .. num_inputs()). Allocates no memory.
+  // Computes the inputs at start_time + (interval + fraction) * step, with 0 <=
+  // fraction <= 1. `inputs` has num_inputs() entries. Allocates no memory.
   void Evaluate(Eigen::Index interval, double fraction, double* inputs) const;
 
   int num_inputs() const { return static_cast<int>(samples_->rows()); }
   Eigen::Index num_samples() const { return samples_->cols(); }
   double start_time() const { return start_time_; }
   double step() const { return step_; }
+  // Time of a sample, counted from 0.
   double time(Eigen::Index sample) const {
     return start_time_ + static_cast<double>(sample) * step_;
   }
   Interpolation interpolation() const { return interpolation_; }
   bool periodic() const { return periodic_; }
-  // Returns the number of samples on either side of an instant that affect its
-  // value.
+  // Number of samples on either side of an instant that affect the value there.
   int reach() const;
-  // Returns the samples, inputs x samples.
+  // Samples, inputs x samples.
   const Matrix& samples() const { return *samples_; }
-  // Returns the same samples, which copies share.
+  // Pointer to the same samples, which copies of this object share.
   const std::shared_ptr<const Matrix>& shared_samples() const {
     return samples_;
   }
 
  private:
-  // Adds sample number `sample` times `weight` to *result. Numbers beyond both
-  // ends mean the extended samples.
+  // Adds `weight` times a sample to *result. Numbers beyond the ends stand for
+  // extended samples.
   template <typename Target>
   void AddSample(Eigen::Index sample, double weight, Target* result) const;
 
@@ -89,8 +91,9 @@ class Excitation {
 };
 
 // Checks that no sample of the channel is missing. A response may have gaps. An
-// excitation may not, because the structure responded to it. On failure *error
-// names the record, the channel and the times of the first gap.
+// excitation may not, because the structure also responds to it in the gap. On
+// failure returns false, and *error names the record, the channel and the times
+// of the first gap.
 [[nodiscard]] bool IsCompleteExcitation(const Record& record,
                                         const Channel& channel,
                                         std::string* error);

@@ -12,54 +12,57 @@ namespace pinode {
 
 enum class FilterType { kLowPass, kHighPass, kBandPass };
 
+// Options of a Butterworth filter.
 struct FilterOptions {
   FilterType type = FilterType::kLowPass;
   // Corner frequencies in cycles per unit of time: one for low and high pass,
-  // two (lower, upper) for band pass. The one-way gain there is 1/sqrt(2), so
-  // the gain of the filter is 1/2.
+  // two (lower, upper) for band pass. At a corner the gain is 1/2, because each
+  // of the two passes has the gain 1/sqrt(2).
   std::vector<double> corner_frequencies;
-  // Order of the one-way filter (a band pass has twice as many poles).
+  // Order of one pass, 1 to 10. A band pass has twice as many poles.
   int order = 4;
 
-  // Checks that corners are inside (0, Nyquist) and in order, and that the
-  // order is 1 to 10. On failure *error gives the reason.
+  // Checks the order, and that corners ascend and are between 0 and half the
+  // sampling rate. `sampling_step` is in the same unit of time. On failure
+  // returns false, with the reason in *error.
   [[nodiscard]] bool IsValid(double sampling_step, std::string* error) const;
 };
 
-// Runs a Butterworth filter forward and backward over a time history, which
-// cancels its phase and squares its gain:
+// Butterworth filter that runs forward and backward over a time history. This
+// cancels its phase and squares its gain. A low pass of order n with the corner
+// frequency fc has
 //
 //   gain(f) = 1 / (1 + W(f)^(2 n)),   W = tan(pi f dt) / tan(pi fc dt)
 //
-// for the low pass of order n with corner fc (for the others W is mapped the
-// usual way). The one-way filter is a cascade of second-order sections. It
-// comes from the analog prototype by the bilinear transform with prewarped
-// corners.
+// with dt the sampling step. The usual mappings of W give high pass and band
+// pass. Each pass is a cascade of second-order sections, from the analog
+// prototype by the bilinear transform with prewarped corners.
 //
-// Ends: both sides are extended by the odd reflection about the end sample, 2
-// x(0) - x(k). Each pass starts in the steady state of its first sample.
-// Source: F. Gustafsson, "Determining the initial states in forward-backward
-// filtering", IEEE Trans. Signal Processing 44 (1996) 988. The reflection's
-// length is that of SciPy's sosfiltfilt, or the longest possible one for a
-// short history.
+// The history is extended at both ends by its odd reflection about the end
+// sample, 2 x(0) - x(k). Each pass starts in the steady state of its first
+// sample (F. Gustafsson, "Determining the initial states in forward-backward
+// filtering", IEEE Trans. Signal Processing 44 (1996) 988). The reflection is
+// as long as in SciPy's sosfiltfilt, or as long as possible for a short
+// history.
 //
-// The result is a linear function of the history, including its ends: filtering
-// commutes with sums, factors and derivatives.
+// The result is a linear function of the history, also at its ends. Filtering
+// therefore commutes with sums, factors and derivatives with respect to
+// parameters.
 class ZeroPhaseFilter {
  public:
-  // `options` must be valid for `sampling_step`.
+  // Creates the filter. `options` must be valid for `sampling_step`.
   ZeroPhaseFilter(const FilterOptions& options, double sampling_step);
 
   // Filters a history, or each column of a matrix (samples x histories), in
-  // place. No value may be NaN or infinite.
+  // place. All values must be finite.
   void Apply(Vector* values) const;
   void Apply(Matrix* columns) const;
 
-  // Returns the gain of the whole filter, both ways, for a long sine of that
-  // frequency.
+  // Returns the gain of both passes together for a long sine of this frequency,
+  // in cycles per unit of time.
   double Gain(double frequency) const;
 
-  // Number of samples by which each side of the history is extended.
+  // Number of samples by which each end of the history is extended.
   int padding() const { return padding_; }
 
  private:
