@@ -1,4 +1,4 @@
-// Options of gnuplot as a subprocess.
+// Options of gnuplot, which runs as a subprocess.
 
 #ifndef PINODE_REPORT_GNUPLOT_OPTIONS_H_
 #define PINODE_REPORT_GNUPLOT_OPTIONS_H_
@@ -7,11 +7,11 @@
 
 namespace pinode {
 
-// Program that draws the figures.
+// Options of the program that draws the figures.
 struct GnuplotOptions {
-  // Looked for in PATH unless it holds a slash.
+  // Name of the program, found in PATH, or a path with a slash.
   std::string program = "gnuplot";
-  // It is killed after that.
+  // Time after which the program is killed.
   double timeout_seconds = 20.0;
 };
 
