@@ -1,5 +1,4 @@
-// Reads a finite-element model exported by any supported program. All models
-// enter through this function.
+// Reader of finite-element models that any supported program has exported.
 
 #ifndef PINODE_STRUCTURE_DECKS_FINITE_ELEMENT_FILES_H_
 #define PINODE_STRUCTURE_DECKS_FINITE_ELEMENT_FILES_H_
@@ -12,32 +11,32 @@
 
 namespace pinode {
 
-// Location of one matrix.
+// Place of one matrix, in a file or in memory.
 struct MatrixSource {
-  // File of the matrix. Empty: there is none.
+  // Path of the file. Empty: the matrix is absent.
   std::string path;
   // Name of the matrix in a file that holds several (.op4, .mat, .npz), in any
   // case. Empty: the only matrix of the file, or one with a usual name: m,
   // mass, mgg, maa, ..., c, damping, ..., k, stiffness, ....
   std::string variable;
-  // Number of the matrix among several of that name, from 1. OP4 files of
-  // superelements have such matrices. 0: there is only one.
+  // Number of the matrix among several of this name, from 1. OP4 files of
+  // superelements have several. 0: there is only one.
   int occurrence = 0;
   // Matrix given in memory instead of a file. `path` is then its name in
   // messages.
   std::shared_ptr<const SparseMatrix> array = nullptr;
 };
 
+// Files of a finite-element model.
 struct FiniteElementFiles {
   MatrixSource mass;
-  MatrixSource damping;  // may be absent
+  MatrixSource damping;  // may be empty
   MatrixSource stiffness;
-  // File with a list of DOF names, one per line, for formats without names.
-  // CalculiX's .dof file is one. Empty: names come from the matrices' files.
-  // For .sti or .mas they come from the .dof file of the same name if it
-  // exists.
+  // File with one DOF name per line, for formats without names, such as the
+  // .dof file of CalculiX. Empty: names come from the matrices' files. For .sti
+  // and .mas they come from the .dof file of the same name if it exists.
   std::string dof_names;
-  // DOF names given in memory instead of such a file, if not empty.
+  // DOF names in memory, in place of the file. Empty: none are given.
   std::vector<std::string> names;
 };
 
@@ -54,8 +53,8 @@ struct FiniteElementFiles {
 // .mtx, .sti, .mas, .csv and .dof may be compressed with gzip (.sti.gz). Abaqus
 // matrices are assembled by DOF name, because each file names only the DOFs for
 // which it has entries. All others are assembled by position. Repeated DOF
-// names are numbered. model->notes describes special DOFs. On failure *model is
-// unchanged and *error is `file:line: error, expected ...`.
+// names are numbered. model->notes describes special DOFs. On failure returns
+// false, *model is unchanged, and *error is `file:line: error, expected ...`.
 [[nodiscard]] bool ReadFiniteElementModel(const FiniteElementFiles& files,
                                           FiniteElementModel* model,
                                           std::string* error);

@@ -1,4 +1,4 @@
-// Compares the modes of a structure before and after a change.
+// Comparison of the modes of two models of a structure.
 
 #ifndef PINODE_STRUCTURE_MODEL_MODE_COMPARISON_H_
 #define PINODE_STRUCTURE_MODEL_MODE_COMPARISON_H_
@@ -12,31 +12,33 @@
 
 namespace pinode {
 
-// One mode of the first model and its partner in the second. Frequencies are in
-// cycles per unit of the models' time. They are NaN, and the shape is empty, if
-// the mode has none (see ModalProperties) or no partner.
+// Mode of the initial model and its partner in the updated model. Frequencies
+// are in cycles per unit of the models' time. Without a frequency (see
+// ModalProperties) or without a partner, values are NaN and the shape is empty.
 struct ModePair {
   double initial_frequency = kNaN, updated_frequency = kNaN;
   // Damping ratios, as fractions of critical damping.
   double initial_damping = kNaN, updated_damping = kNaN;
+  // Modal assurance criterion of the two shapes, 0 to 1.
   double mac = kNaN;
-  int updated_mode = -1;                // index of the partner, -1 without one
-  Vector initial_shape, updated_shape;  // num_dofs, mass-normalised
+  int updated_mode = -1;  // index of the partner; -1: none
+  // Mode shapes, one entry per DOF, mass-normalised.
+  Vector initial_shape, updated_shape;
 };
 
-// Modes of the initial model beside those of the updated one.
+// Modes of the initial model with those of the updated one.
 struct PriorComparison {
-  // Modes of the matrices with their groups, before and after, in cycles per
-  // unit of the model's time.
+  // Pairs of modes of the matrices with their groups, ascending by initial
+  // frequency.
   std::vector<ModePair> modes;
-  // Reason why there are no modes. Empty: there are some.
+  // Reason why there are no modes. Empty: there are modes.
   std::string why_no_modes;
 };
 
-// Pairs the modes of `initial`, in ascending order, with modes of `updated` by
-// PairModes (largest total MAC). The rigid-body modes of `updated` are first
-// combined to match those of `initial`. Returns false if the modes of either
-// cannot be computed.
+// Pairs the modes of `initial`, in ascending order, with modes of `updated` so
+// that the sum of the MACs is largest (PairModes). Before, the rigid-body modes
+// of `updated` are combined to match those of `initial`. Returns false, with
+// *error, if the modes of one model cannot be computed.
 [[nodiscard]] bool CompareModes(const StructuralModel& initial,
                                 const StructuralModel& updated,
                                 std::vector<ModePair>* pairs,

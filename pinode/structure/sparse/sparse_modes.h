@@ -1,4 +1,4 @@
-// The lowest modes of a large finite-element model.
+// Lowest modes of a large finite-element model.
 
 #ifndef PINODE_STRUCTURE_SPARSE_SPARSE_MODES_H_
 #define PINODE_STRUCTURE_SPARSE_SPARSE_MODES_H_
@@ -11,55 +11,59 @@
 
 namespace pinode {
 
-// The lowest modes of K phi = w^2 M phi, undamped, ascending by w^2.
+// Lowest modes of K phi = w^2 M phi, without damping, ascending by w^2.
 struct SparseModes {
-  // w^2 in 1 / time^2. Exactly 0 for rigid-body modes: w^2 below the rounding
-  // of K, or negative and below the accuracy of a file's digits. Negative for
-  // negative stiffness.
+  // Eigenvalues w^2 in 1 / time^2; negative for negative stiffness. For a
+  // rigid-body mode the value is set to 0. A mode counts as rigid if |w^2| is
+  // below the rounding error of K. A negative w^2 also counts if it is within
+  // the accuracy of the digits of a file.
   Vector eigenvalues;
-  // Frequencies in cycles per unit of time. 0 for rigid-body modes, NaN for w^2
+  // Frequencies in cycles per unit of time: 0 for rigid-body modes, NaN for w^2
   // < 0.
   Vector frequency_hz;
   // Mode shapes, n x modes, mass-normalised: Phi' M Phi = I. The entry of
   // largest magnitude in each column is positive.
   Matrix mode_shapes;
-  // Error bounds: some eigenvalue of the model lies within error_bounds[i] *
-  // |w_i^2 - shift| of w_i^2. `shift` is 0 if K is positive definite.
+  // Error bounds, one per mode. An eigenvalue of the model lies within
+  // error_bounds[i] * |w_i^2 - shift| of w_i^2.
   Vector error_bounds;
+  // Shift of the inverse iteration. 0 if K is positive definite.
   double shift = 0.0;
-  // Number of rigid-body modes among the reported modes.
+  // Number of rigid-body modes among these modes.
   int num_rigid_body_modes = 0;
-  // Remarks for the user: fewer modes than requested, or frequencies that
-  // depend on the last digits of the file. Sentences.
+  // Remarks for the user, one sentence each. They name missing modes, and
+  // frequencies that depend on the last digits of the file.
   std::vector<std::string> notes;
 };
 
-// Computes the `num_modes` lowest modes of a valid model (CHECKed: sizes), or
-// all if there are fewer: massless DOFs have no modes.
+// Computes the `num_modes` lowest modes of a valid model, or all modes if there
+// are fewer. `mass` and `stiffness` are n x n and symmetric. Massless DOFs add
+// no modes. Aborts if the sizes differ.
 //
 // The method is Lanczos (Spectra) on the inverse of K - shift M. Small models,
 // and requests for more than a quarter of all modes, use a dense solver of the
 // same inverted pair. M and K may both be singular. shift is 0 for positive
 // definite K, otherwise below all eigenvalues.
 //
-// The result is checked. Each mode's residual bounds its error (at most 1e-8,
-// or the function fails). The inertia of K - s M with s above the last mode
-// counts the eigenvalues below s, so that no mode of a cluster is missed
-// (Sylvester; B. N. Parlett, The Symmetric Eigenvalue Problem, SIAM 1998,
-// section 3.3).
+// The result is checked. The residual of each mode bounds its error, which must
+// be at most 1e-8. The inertia of K - s M, with s above the last mode, gives
+// the number of eigenvalues below s. So no mode of a cluster is missed
+// (Sylvester's law of inertia; B. N. Parlett, The Symmetric Eigenvalue Problem,
+// SIAM 1998, section 3.3).
 //
-// Fails, with *modes unchanged, if some motion has neither mass nor stiffness,
-// or if the precision is insufficient for a factorisation. Fails too if a large
-// model would need the dense solver.
+// Returns false, with *error and *modes unchanged, if a motion has neither mass
+// nor stiffness, or if the precision does not suffice. Also returns false if a
+// large model would need the dense solver.
 [[nodiscard]] bool ComputeLowestModes(const SparseMatrix& mass,
                                       const SparseMatrix& stiffness,
                                       int num_modes, SparseModes* modes,
                                       std::string* error);
 
-// Compares the first modes above 0 Hz with frequencies that the user expects
-// (ascending, in the modes' unit), for example from the FE program's own run.
-// Returns false, with the first frequency that differs by more than `tolerance`
-// (relative) in *error, or if there are fewer modes than frequencies.
+// Checks that the first modes above 0 Hz have the expected frequencies, for
+// example those that the finite-element program has printed. `expected` is
+// ascending, in the unit of the modes. Returns false if a frequency differs by
+// more than the relative `tolerance`; *error then names the first one. Also
+// returns false if there are fewer modes than frequencies.
 [[nodiscard]] bool CheckExpectedFrequencies(const SparseModes& modes,
                                             const std::vector<double>& expected,
                                             double tolerance,
