@@ -1,4 +1,5 @@
-// Fits of baseline records, to compare a new state with.
+// Baselines: fits of records of a known state, with which a new state is
+// compared.
 
 #ifndef PINODE_STUDY_DAMAGE_BASELINE_H_
 #define PINODE_STUDY_DAMAGE_BASELINE_H_
@@ -18,56 +19,59 @@
 
 namespace pinode {
 
-// Baseline records with their model, which distinguish changes of other kinds
-// than those of groups.
+// Problem and fit of a baseline. They are needed to find changes of other kinds
+// than changes of groups.
 struct HealthyFit {
   IdentificationProblem problem;
   IdentificationOptions options;
-  // Results of a fit of `problem`. Without parameters if it must be fitted
-  // first, from its own values.
+  // Results of a fit of `problem`. If `model` has no parameters, the problem is
+  // fitted first, from its own initial values.
   IdentificationSummary summary;
   IdentifiedModel model;
 
   bool IsFitted() const { return model.parameters.size() > 0; }
 };
 
-// Alternatives to the values of a result with care.
+// Uncertainty of a result of grade "usable with care", beyond its intervals.
 struct Doubts {
-  // How far named parameters may be off: as far as the intervals of the
-  // likeliest explanations reach and, where motion is unexplained, the result's
-  // own intervals, which are as wide as what the model may lack.
+  // Values and widened intervals of named parameters. They include the
+  // intervals under the likeliest explanations. If motion is unexplained, they
+  // also include the result's own intervals, which allow for an incomplete
+  // model.
   std::vector<ExplainedValue> reach = {};
-  // The likeliest explanation, if it leaves nothing but noise.
+  // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;
 };
 
+// Baseline: values of a known state, and the fit that they come from.
 struct Baseline {
-  // Name in messages and reports, such as the folder it was read from.
+  // Name in messages and reports, such as the folder of its results.
   std::string name;
-  // Free groups that follow no covariate (FreeGroups), and their values such
-  // that 1 + value is the structure's multiple of the group's matrix, see
-  // GroupTerm::present.
+  // Names of the free groups that follow no covariate (FreeGroups), and their
+  // values with covariance. The structure has 1 + value times the group's
+  // matrix, see GroupTerm::present.
   std::vector<std::string> group_names;
   GroupState groups;
-  // Free parameters by which groups follow covariates. `with_followers` has
-  // groups and these together, in this order.
+  // Names of the free parameters by which groups follow covariates (Followers).
   std::vector<std::string> followers;
-  std::vector<std::string> following;  // FollowingText of each
-  // Directions that the records do not determine, as in IdentificationSummary.
+  std::vector<std::string> following;  // FollowingText(), one each
+  // Combinations of parameters that the records do not determine, see
+  // FitSummary::undetermined.
   std::vector<std::string> undetermined;
+  // Values of the groups and then of `followers`, with their joint covariance.
   GroupState with_followers;
-  // Offset of alpha of the same matrices in the new problem. It is not zero if
-  // the new problem's matrices include the identified changes. Empty: offsets
-  // follow from GroupTerm::present of the new problem.
+  // Offsets between alphas of the new problem and `groups`, one per group. They
+  // are not zero if the matrices of the new problem include the identified
+  // changes. Empty: offsets follow from GroupTerm::present of the new problem.
   Vector offsets;
-  // All named parameters of the fit, including fixed ones.
+  // Names and values of all named parameters of the fit, also of fixed ones.
   std::vector<std::string> parameter_names;
   Vector parameter_values;
 
-  Doubts doubts = {};  // DoubtsOf the result
+  Doubts doubts = {};  // see DoubtsOf
 
-  // Fit of the baseline. Null if only the groups' values are known, with the
-  // reason as half a sentence in `why_no_fit`.
+  // Fit of the baseline. Null if only the values are known; `why_no_fit` then
+  // has the reason as a clause.
   std::shared_ptr<const HealthyFit> fit;
   std::string why_no_fit = "the baseline has no records";
 };
@@ -77,62 +81,64 @@ struct Baseline {
 std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics);
 
 // Returns the parameters by which groups follow covariates
-// (CovariateParameters), those that are free or those that are not.
+// (CovariateParameters): the free ones if `free` is true, else the fixed ones.
 std::vector<std::string> Followers(const StructuralDynamics& dynamics,
                                    bool free);
 
-// Returns how a group follows a covariate: "temperature from 20", or
-// "temperature from 20 by knots at -10, 0, 20". Parameters with different texts
-// are different parameters.
+// Returns the way in which a group follows a covariate as text: "temperature
+// from 20", or "temperature from 20 by knots at -10, 0, 20". Parameters can be
+// compared only if their texts are equal.
 std::string FollowingText(const std::string& covariate, double reference,
                           const std::vector<double>& knots);
-// Returns the texts by the names of all such parameters of `dynamics`.
+// Returns the texts of all parameters of `dynamics` by which groups follow
+// covariates, by name.
 std::map<std::string, std::string> FollowingTexts(
     const StructuralDynamics& dynamics);
 
-// True if motion is unexplained.
+// True if one of the findings is unexplained motion.
 bool MissesMotion(const Verdict& verdict);
 
-// Returns nothing for results that are not with care.
+// Returns the doubts about a result. Empty unless its grade is "usable with
+// care".
 Doubts DoubtsOf(const IdentificationSummary& summary);
 
-// Makes a baseline from a usable fit of baseline records with a covariance.
-// Returns false, with *error, if the fit is not usable, or if no group is free.
+// Makes a baseline from a usable fit with a covariance. Returns false, with
+// *error, if the fit is not usable or if no group is free.
 [[nodiscard]] bool BaselineFrom(const std::string& name,
                                 const IdentificationProblem& problem,
                                 const IdentificationSummary& summary,
                                 const IdentifiedModel& model,
                                 Baseline* baseline, std::string* error);
 
-// Returns false, with *error, if two baselines are identical to the last bit:
-// the scatter between baselines would be underestimated.
+// Checks that no two baselines have the same numbers, because the scatter
+// between baselines would be underestimated. Returns false, with *error, if two
+// are identical.
 [[nodiscard]] bool AreDifferentResults(const std::vector<Baseline>& baselines,
                                        std::string* error);
 
-// Returns false, with *error, if a baseline cannot be compared with fits of
-// `dynamics`: other groups, a value that is not finite, a group that follows a
-// covariate in another way, or if two are
-// identical (AreDifferentResults).
+// Checks that the baselines can be compared with fits of `dynamics`: they have
+// the same groups, these follow covariates in the same way, and values are
+// finite. Also runs AreDifferentResults. Returns false, with *error, if not.
 [[nodiscard]] bool AreBaselinesOf(const StructuralDynamics& dynamics,
                                   const std::vector<Baseline>& baselines,
                                   std::string* error);
 
-// Returns the model from which a fit of `problem` begins: its own initial
-// values, and those of the baseline for the named parameters that both have,
-// clamped to their bounds.
+// Returns the model with which a fit of `problem` begins. Named parameters that
+// the baseline also has get its values, clamped to their bounds. All others
+// have the problem's initial values.
 IdentifiedModel BeginFromBaseline(const Baseline& baseline,
                                   const IdentificationProblem& problem);
 
-// Takes the free groups and other parameters `names` from a fit of `dynamics`,
-// with groups as in Baseline. Returns false, with *error, if one of them has no
-// covariance.
+// Gets values and covariance of the parameters `names` from a fit of
+// `dynamics`. Groups have values as in Baseline::groups. Returns false, with
+// *error, if a parameter has no covariance.
 [[nodiscard]] bool GroupsOf(const StructuralDynamics& dynamics,
                             const FitSummary& summary,
                             const std::vector<std::string>& names,
                             GroupState* state, std::string* error);
 
-// Returns the amount to add to each group's alpha for a value as in Baseline; 0
-// if there is no group of that name.
+// Returns the amounts that turn the alphas of these groups into values as in
+// Baseline::groups, one per name. 0 if there is no group of this name.
 Vector AlreadyPresent(const StructuralDynamics& dynamics,
                       const std::vector<std::string>& names);
 

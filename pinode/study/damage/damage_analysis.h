@@ -1,4 +1,4 @@
-// From healthy fits and a fit of new records to what has changed.
+// Damage analysis: changes between baselines and a fit of new records.
 
 #ifndef PINODE_STUDY_DAMAGE_DAMAGE_ANALYSIS_H_
 #define PINODE_STUDY_DAMAGE_DAMAGE_ANALYSIS_H_
@@ -18,51 +18,57 @@
 
 namespace pinode {
 
+// Options of AnalyseDamage.
 struct DamageAnalysisOptions {
   ChangeOptions change;
-  // Places at which masses and nonlinear forces are looked for. Default: none;
-  // see LookEverywhere.
+  // Places at which to search for added masses and nonlinear forces. Default:
+  // none. LookEverywhere returns all possible places.
   DamageSearch search;
-  // Options of further fits, and a watch on them (may be nullptr).
+  // Options of further fits, and their observer (may be nullptr).
   IdentificationOptions identification;
   IdentificationWatch* watch = nullptr;
 };
 
+// Result of AnalyseDamage.
 struct DamageResult {
   std::vector<std::string> baselines;  // names
   ChangeOptions options;
-  // The free groups, then other kinds of change that were found, then those
-  // that are rivals of what was found.
+  // Subjects of possible changes: the free groups, then other kinds of change
+  // that were found, then their rivals. `estimate` and `judgement` have one
+  // entry for each.
   std::vector<ChangeSubject> subjects;
   ChangeEstimate estimate;
   Judgement judgement;
-  // Subjects that masses or nonlinear forces were looked for in.
+  // Names of the places at which masses or nonlinear forces were searched for.
   std::vector<std::string> places;
-  // One sentence each, such as why kinds of change were not told apart.
+  // Remarks for the user, one sentence each, for instance the reason why kinds
+  // of change were not distinguished.
   std::vector<std::string> remarks;
 
-  // The result that the changes are taken from: that of the given problem, or,
-  // where other kinds of change were found, of Identify with these as further
-  // unknowns.
+  // Fit from which the changes come. It is the given one. If other kinds of
+  // change were found, it is a fit with these as further unknowns, which
+  // `added` lists.
   std::vector<ChangeCandidate> added;
   IdentificationProblem problem;
   IdentificationSummary summary;
   IdentifiedModel model;
 };
 
-// Finds the changes between `baselines`, at least one, and the new records of
-// `problem`. `summary` and `model` are a usable result of it with a covariance.
+// Finds the changes between `baselines` (at least one) and the new records of
+// `problem`. `summary` and `model` are a usable result of `problem` with a
+// covariance.
 //
-// Four fifths of the false-alarm rate are for changes of the groups alone. The
-// rest is for masses and nonlinear forces at the places of options.search. The
-// records of the baselines and the new ones are each linearised at their fit
-// with all of these as further unknowns. If one of them is found in place of
-// groups, or beside them, the new records are identified again with it. This
-// needs the records of the baselines (Baseline::fit, which is fitted first if
-// necessary); if they are missing, a remark says so.
+// The search has two parts. Changes of groups alone get 80 % of the false-alarm
+// rate. Masses and nonlinear forces at the places of options.search get the
+// rest. For the second part, the problems of the baselines and the new one are
+// linearised at their fits, with these masses and forces as further unknowns.
+// If one of them is found, the new records are identified again with it.
 //
-// False, with *error, if the fits, groups, places or options do not fit
-// together, or if EstimateChange fails.
+// The second part needs Baseline::fit, which is fitted first if necessary. If
+// it is missing, a remark says so.
+//
+// Returns false, with *error, if fits, groups, places or options do not match,
+// or if EstimateChange fails.
 [[nodiscard]] bool AnalyseDamage(const IdentificationProblem& problem,
                                  const IdentificationSummary& summary,
                                  const IdentifiedModel& model,

@@ -1,4 +1,5 @@
-// Search for other kinds of change than those of groups: places and candidates.
+// Search for changes of other kinds than changes of groups: places and
+// candidates.
 
 #ifndef PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
 #define PINODE_STUDY_DAMAGE_DAMAGE_SEARCH_H_
@@ -14,15 +15,16 @@
 
 namespace pinode {
 
+// Places and kinds of change to search for.
 struct DamageSearch {
-  // Place of a possible added mass: these DOFs together, the translations of
-  // one node.
+  // Place of a possible added mass: DOFs that get the same mass, such as the
+  // translations of one node.
   struct MassPlace {
     std::string name;
     std::vector<int> dofs;
   };
-  // Place of a possible nonlinear force between these two, of which `to` is a
-  // DOF.
+  // Place of a possible nonlinear force between two DOFs, given as indices.
+  // `from` may be Feature::kGround.
   struct SpringPlace {
     std::string name;
     int from = Feature::kGround;
@@ -30,54 +32,59 @@ struct DamageSearch {
   };
   std::vector<MassPlace> masses;
   std::vector<SpringPlace> springs;
-  // Look for a change of the model's damping, of the whole and of single modes.
+  // True: searches for a change of damping, of the whole structure and of
+  // single modes.
   bool damping = false;
-  // Look for a change of stiffness that is in no free group: of each spring of
-  // a small model of springs, of others as a whole.
+  // True: searches for a change of stiffness that is in no free group. In a
+  // small model of springs each spring is examined. Other models are examined
+  // as a whole.
   bool stiffness = false;
 
-  // Checks that `model` has the DOFs. On failure *error names the place.
+  // Checks that `model` has the DOFs. On failure returns false, and *error
+  // names the place.
   [[nodiscard]] bool IsValid(const StructuralModel& model,
                              std::string* error) const;
 };
 
-// Unknown that was zero in the model and may have changed.
+// Further unknown, zero in the baselines, by which a change is described.
 struct ChangeCandidate {
   ChangeSubject subject;
-  // Unit of the change in terms of the parameter: 1 is the mean mass of the
-  // place's DOFs, or a force with the RMS of the linear one at the place.
+  // Value of the parameter that corresponds to a change of 1. A change of 1 is
+  // the mean mass of the place's DOFs, or a force with the RMS of the linear
+  // force at the place.
   double unit = 1.0;
-  // kMass: mass per DOF added by a change of 1, in the model's unit of mass.
+  // kMass: mass that a change of 1 adds to each DOF, in the model's unit.
   Vector masses;
-  // kDamping, kStiffness: what is added by a change of 1, num_dofs x num_dofs:
-  // all damping that the model has, or that of a mode; the stiffness of a
+  // kDamping, kStiffness: matrix that a change of 1 adds, num_dofs x num_dofs.
+  // It is the damping of the whole model or of one mode, or the stiffness of a
   // spring.
   Matrix matrix;
-  // kNonlinear: a function of the deformation from `from` to `to` and its rate.
+  // kNonlinear: function of the deformation from `from` to `to` and of its
+  // rate, as text.
   int from = Feature::kGround;
   int to = Feature::kGround;
   std::string basis;
-  std::string library;  // the name of the term
+  std::string library;  // name of the term
 };
 
-// Returns the DOFs of `model` that are translations of `node`, if names are
-// "node.direction"; empty if there is no such DOF.
+// Returns the place with the translations of `node`, if DOFs are named
+// "node.direction". It has no DOFs if there are none.
 DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
                                     const std::string& node);
 
-// Returns masses at DOFs that a fitted channel measures alone.
+// Returns the places of masses at single DOFs that a fitted channel measures.
 std::vector<DamageSearch::MassPlace> MeasuredMasses(
     const IdentificationProblem& problem);
 
-// Returns springs at free stiffness groups that are one spring.
+// Returns the places of springs that are free stiffness groups.
 std::vector<DamageSearch::SpringPlace> GroupSprings(
     const StructuralDynamics& dynamics);
 
-// True if `dynamics` has damping, of which no group is free: then its change
-// would be put down to what is.
+// True if `dynamics` has damping but no free damping group. A change of damping
+// would then appear as a change of another unknown.
 bool HasFixedDamping(const StructuralDynamics& dynamics);
 
-// Returns all of them: all places that the present sensors and groups allow.
+// Returns all places and kinds that the present sensors and groups allow.
 DamageSearch LookEverywhere(const IdentificationProblem& problem);
 
 }  // namespace pinode

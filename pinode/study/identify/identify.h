@@ -1,4 +1,4 @@
-// The main job: from a problem to an identified model and a verdict on it.
+// Identify: from a problem to an identified model with a verdict.
 
 #ifndef PINODE_STUDY_IDENTIFY_IDENTIFY_H_
 #define PINODE_STUDY_IDENTIFY_IDENTIFY_H_
@@ -17,55 +17,56 @@ namespace pinode {
 
 struct ReducedStructure;
 
-// Further input of an identification.
+// Further inputs of an identification.
 struct IdentificationExtras {
-  // Model to start from: of an earlier identification, of a baseline, or of a
-  // checkpoint. nullptr: the problem's initial values.
+  // Model with which the fit begins, from an earlier identification, a baseline
+  // or a checkpoint. nullptr: the problem's initial values.
   const IdentifiedModel* start = nullptr;
-  // `start` is a checkpoint of this problem, to be continued.
+  // True: `start` is a checkpoint of this problem, and the fit continues from
+  // it.
   bool resumed = false;
-  // Choice that was made before the checkpoint. `start` is then a model of the
-  // problem without choice.left_out.
+  // Choice among candidates that was made before the checkpoint. `start` is
+  // then a model of the problem without choice.left_out.
   ModelChoice choice;
-  // Terms of the problem among which the training records choose. Empty: all
-  // terms stay.
+  // Terms of the problem that stay only if the training records support them.
+  // Empty: all terms stay.
   std::vector<ModelCandidate> candidates;
-  // Finite-element structure that the problem's model is a reduction of.
-  // nullptr: the model is not reduced, or its basis stays.
+  // Finite-element model that was reduced to the problem's model. nullptr:
+  // there is none, or the basis of the reduction is kept.
   std::shared_ptr<const ReducedStructure> reduced;
 };
 
-// Outcome of an identification.
+// Result of an identification.
 struct Identification {
-  // Problem that the summary and the model belong to: without the terms that
-  // were left out, in the last basis, with the last steps and spectra.
+  // Problem that summary and model belong to. It is the given one without the
+  // terms that were left out, with the final basis, steps and spectra.
   IdentificationProblem problem;
   IdentificationSummary summary;
   IdentifiedModel model;
-  // Structure with the last basis; as in the extras.
+  // Finite-element model with the final basis, see
+  // IdentificationExtras::reduced.
   std::shared_ptr<const ReducedStructure> reduced;
 };
 
 // Identifies the unknowns of `problem`:
 //
-//   1. fits it (estimate/fit/fit_once.h),
-//   2. chooses among the candidates, where there are any
-//      (study/terms/term_choice.h),
-//   3. renews the basis of a reduced structure that asks for it, until it
-//   settles
-//      (study/reduction/renewed_basis.h),
-//   4. refines spectra of unmeasured loads that are too coarse for the ambient
-//      records (study/identify/load_spectra.h),
-//   5. refines integration steps that are too long
-//      (study/identify/step_check.h),
-//   6. makes the verdict from the findings of all checks
-//      (estimate/fit/fit_checks.h).
+// 1. Fits the problem (pinode/estimate/fit/fit_once.h).
+// 2. Chooses among the candidates, if there are any
+//    (pinode/study/terms/term_choice.h).
+// 3. Renews the basis of a reduced structure that requests it, until the basis
+//    settles (pinode/study/reduction/renewed_basis.h).
+// 4. Refines spectra of unmeasured loads that are too coarse for the ambient
+//    records (pinode/study/identify/load_spectra.h).
+// 5. Refines integration steps that are too long
+//    (pinode/study/identify/step_check.h).
+// 6. Makes the verdict from the findings of all checks
+//    (pinode/estimate/fit/fit_checks.h).
 //
-// Programs, Python, damage analysis, the refit of discovered equations and
-// users' programs all call this function. `watch` (may be nullptr) hears of
-// each iteration and can stop the work. Never throws and never aborts on data:
-// an invalid problem, start or option gives a summary that failed, with a
-// sentence.
+// `watch` observes each iteration and can stop the work; it may be nullptr. All
+// programs, the Python package and the damage analysis use this function.
+//
+// The function does not throw, and does not abort on bad data. For an invalid
+// problem, start or option, `summary` has Termination::kFailure and a message.
 Identification Identify(IdentificationProblem problem,
                         const IdentificationOptions& options = {},
                         const IdentificationExtras& extras = {},

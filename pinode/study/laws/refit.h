@@ -1,4 +1,4 @@
-// Discovered equations in place of networks, refitted through the ODE.
+// Refit of discovered equations, in place of networks, to the trajectories.
 
 #ifndef PINODE_STUDY_LAWS_REFIT_H_
 #define PINODE_STUDY_LAWS_REFIT_H_
@@ -14,48 +14,53 @@
 
 namespace pinode {
 
+// Result of discovery.
 struct Discovery {
-  // Equations as selected, or as the refit left them.
+  // Equations as selected by the regression, or after the refit.
   std::vector<DiscoveredEquation> equations;
-  // Terms that the refit took out again, "x1: x[x2]^2", and terms that it took
-  // in.
+  // Terms that the refit has dropped and added, such as "x1: x[x2]^2".
   std::vector<std::string> dropped;
   std::vector<std::string> added;
 
-  // The refit by the main job. Without one (`refitted` false) problem, summary,
-  // model and step_refinement hold nothing.
+  // True if there was a refit. If not, problem, summary, model and
+  // step_refinement have no meaning.
   bool refitted = false;
-  IdentificationProblem problem;  // with the equations
+  IdentificationProblem problem;  // with the equations as terms
   IdentificationSummary summary;
   IdentifiedModel model;
-  // Runge-Kutta steps a sample of each record are this multiple of what the
-  // problem chooses.
+  // Factor on the chosen number of Runge-Kutta steps per sample.
   int step_refinement = 1;
 
+  // Number of terms of all equations.
   int num_terms() const;
-  // Verdict on the equations: that of the refit, if there was one.
+  // Verdict on the equations: the verdict on the refit, if there was one.
   Verdict verdict() const;
-  // The first finding, or the state of the refit, in a sentence.
+  // Returns the first finding, or the state of the refit, in a sentence.
   std::string Message() const;
 };
 
-// Replaces the networks of `problem`, trained as `model`, by `equations` and
-// fits their coefficients, with everything else that is free, to the
-// trajectories. Terms that turn out not to be worth their place are dropped one
-// by one (DiscoveryOptions::prune_fraction); then candidates that the residuals
-// of the trajectories ask for are taken in (DiscoveryOptions::search), as long
-// as they lower the extended BIC of the fit, beginning with none where the
-// terms together are not worth their price or cannot be fitted. Noise on the
-// records is noise there, whatever smoothing or a network has made of it. At
-// the end the Runge-Kutta steps are halved until no coefficient moves by more
-// than a tenth of its standard deviation or 1e-8 of itself, at most five times:
-// an equation should not make up for its integrator. The last fit is that of
-// Identify. `identification` holds for each fit; `watch` (may be nullptr) hears
-// of each. `resumed`: the equations with which an interrupted refit goes on,
-// nullptr for a new one.
+// Replaces the networks of `problem`, trained as `model`, by `equations`. Then
+// fits the coefficients, with all other free parameters, to the trajectories.
+// In this fit only the noise of the records counts, not the errors of smoothing
+// or of a network.
 //
-// False, with *error, where equations or model do not fit the problem, or
-// nothing is left to be found; a fit that fails is a summary that says so.
+// 1. Terms that are not worth their price are dropped one by one
+//    (DiscoveryOptions::prune_fraction).
+// 2. Candidates that the residuals require are added as long as they lower the
+//    extended BIC (J. Chen and Z. Chen 2008; DiscoveryOptions::search). The
+//    search begins without terms if the terms together are not worth their
+//    price or cannot be fitted.
+// 3. The Runge-Kutta steps are halved, at most five times, until no coefficient
+//    changes by more than a tenth of its standard deviation or 1e-8 of itself.
+//    An equation then does not compensate for errors of integration.
+//
+// The last fit is made by Identify. `identification` are the options of each
+// fit. `watch` observes each fit and may be nullptr. `resumed` has the
+// equations with which an interrupted refit continues; nullptr: a new refit.
+//
+// Returns false, with *error, if equations or model do not match the problem,
+// or if no unknown is left. If a fit fails, the function returns true, and
+// discovery->summary describes the failure.
 [[nodiscard]] bool RefitEquations(
     const IdentificationProblem& problem, const IdentifiedModel& model,
     const std::vector<DiscoveredEquation>& equations,
@@ -64,8 +69,8 @@ struct Discovery {
     const std::vector<DiscoveredEquation>* resumed, IdentificationWatch* watch,
     Discovery* discovery, std::string* error);
 
-// The equations as selected, without a refit; with units where they are of
-// `problem`.
+// Returns the equations as selected, without a refit. Coefficients get units if
+// the equations belong to `problem`.
 Discovery WithoutRefit(const IdentificationProblem& problem,
                        const std::vector<DiscoveredEquation>& equations);
 

@@ -21,56 +21,62 @@ struct MergedModes;
 struct PlaceOfShape;
 struct ReducedStructure;
 
-// Geometry of a model, with the nodes and elements of the model's DOFs and
-// groups.
+// Geometry with the places of the model's DOFs and groups in it.
 struct PlacedGeometry {
   StructureGeometry geometry;
-  // Nodes and directions of DOFs that are not called "node.direction". Several
-  // nodes, as of a floor, move together. Names are those of the geometry.
+  // Place of a DOF: a node of the geometry by its name, a direction, and a
+  // sign.
   struct Place {
     std::string node;
     int direction = 1;  // 1 to 3: along x, y, z
     double sign = 1.0;
   };
+  // Places of DOFs that are not named "node.direction", by the DOF's name. A
+  // DOF with several places, such as a floor, moves them together.
   std::map<std::string, std::vector<Place>> dofs;
-  // Element sets of groups. A group without an entry has the set of its name.
+  // Names of the element sets of groups, by the group's name. A group without
+  // an entry has the set of its own name.
   std::map<std::string, std::vector<std::string>> groups;
 };
 
+// Data of a picture. Lengths are those of the geometry.
 struct StructurePicture {
   StructureGeometry geometry;
 
-  // Group with elements to colour.
+  // Group whose elements are coloured.
   struct Group {
     std::string name;
     std::vector<int> elements;
     bool is_mass = false;
-    // Change as a fraction of the previous value, and its 95 % interval; NaN:
-    // not known.
+    // Change as a fraction of the previous value, and its 95 % interval. NaN:
+    // unknown.
     double change = 0.0;
     double lower95 = 0.0, upper95 = 0.0;
-    // Probability P(loss > threshold); NaN without a damage analysis.
+    // Probability that the loss is above the threshold. NaN without a damage
+    // analysis.
     double probability = 0.0;
-    bool changed = false;  // found to have
+    bool changed = false;  // True: a change was found.
   };
   std::vector<Group> groups;
-  // True: changes are relative to a baseline; else to the model.
+  // True: changes are relative to baselines. False: relative to the initial
+  // model.
   bool since_baseline = false;
-  double threshold = 0.0;  // of the probability
+  double threshold = 0.0;  // loss, as a fraction
 
-  // Arrow at a node, along a unit vector.
+  // Arrow at a node. `node` is an index, `direction` a unit vector.
   struct Arrow {
     std::string name;
     int node = 0;
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   };
   std::vector<Arrow> sensors;
-  std::vector<Arrow> forces;          // measured ones
+  std::vector<Arrow> forces;          // measured
   std::vector<Arrow> unknown_forces;  // not measured
 
+  // Mode shape to be drawn.
   struct Mode {
     double frequency_hz = 0.0;
-    Matrix shape;  // nodes x 3, the largest entry is one
+    Matrix shape;  // nodes x 3, largest entry 1
   };
   std::vector<Mode> modes;
 
@@ -78,39 +84,41 @@ struct StructurePicture {
   std::vector<std::string> notes;
 };
 
-// Makes the picture with at most `num_modes` modes that move a node.
-// `structure`: the finite-element model of which the problem's is a reduction,
-// or nullptr. `model`: the result (nullptr: the problem's initial values) with
-// `summary` of the fit. `damage`: changes since a baseline, or nullptr.
+// Makes the picture of a fit, with the first `num_modes` modes that move a
+// node. The following arguments may be nullptr. `structure` is the
+// finite-element model that was reduced. `summary` and `model` are the result
+// of the fit; without them the picture shows the initial values. `damage` has
+// the changes relative to baselines.
 StructurePicture MakeStructurePicture(
     const PlacedGeometry& placed, const IdentificationProblem& problem,
     const ReducedStructure* structure, const FitSummary* summary,
     const IdentifiedModel* model, const DamageResult* damage, int num_modes);
 
-// Makes the picture of modes identified from records alone, without groups.
-// `sensors` are as they were, `places` of the shapes' entries as returned by
-// ResolveDofs. If the places at a node do not determine its motion, the
-// smallest motion that agrees with them is drawn; nodes without places are at
-// rest. Shapes are rotated to be as real as possible.
+// Makes the picture of modes that were identified from records alone, without
+// groups. `sensors` are the places of the sensors. `places` are those of the
+// shapes' entries, from ResolveDofs. If the places at a node do not determine
+// its motion, the smallest motion that agrees with them is drawn. Nodes without
+// places are at rest. The phases of shapes are rotated so that the shapes are
+// as real as possible.
 StructurePicture MakeModesPicture(const PlacedGeometry& placed,
                                   const std::vector<PlaceOfShape>& sensors,
                                   const std::vector<PlaceOfShape>& places,
                                   const MergedModes& merged);
 
-// Returns shapes at the nodes of a geometry, as MakeModesPicture draws them:
-// per mode nodes x 3, complex, in the scale of its entries. Empty if a place is
-// at no node.
+// Returns the shapes at the nodes as MakeModesPicture draws them: one complex
+// matrix per mode, nodes x 3, in the scale of the identified shape. Empty if a
+// place is at no node.
 std::vector<Eigen::MatrixXcd> MotionsOfNodes(
     const PlacedGeometry& placed, const std::vector<PlaceOfShape>& places,
     const MergedModes& merged);
 
-// Returns for each element the group that it is shown as, -1 if it is in no
-// group. A group of stiffness precedes one of mass, but a changed one precedes
-// an unchanged one.
+// Returns for each element the index of the group whose colour it has; -1: it
+// is in no group. In elements of several groups, changed groups precede
+// unchanged ones, and stiffness groups precede mass groups.
 std::vector<int> ShownGroups(const StructurePicture& picture);
 
-// Returns the picture as an unstructured grid of VTK (.vtu, ASCII XML), which
-// ParaView and other programs read.
+// Returns the picture as an unstructured grid of VTK (.vtu, ASCII XML) for
+// ParaView and other programs.
 //
 // - Cells have `group` (an index, -1 for none), `change`, `probability`,
 //   `changed`, and `known` if there is a change, of the shown groups

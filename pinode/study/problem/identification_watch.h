@@ -1,4 +1,4 @@
-// Observer of an identification: progress, checkpoints, interrupts.
+// Observer of an identification, for progress, checkpoints and interrupts.
 
 #ifndef PINODE_STUDY_PROBLEM_IDENTIFICATION_WATCH_H_
 #define PINODE_STUDY_PROBLEM_IDENTIFICATION_WATCH_H_
@@ -13,33 +13,34 @@ namespace pinode {
 
 struct Checkpoint;
 
-// Callbacks of a running identification. Each does nothing by default. They are
+// Callbacks of a running identification. By default they do nothing. They are
 // called in the thread that called Identify.
 class IdentificationWatch {
  public:
   virtual ~IdentificationWatch() = default;
 
-  // An iteration of a fit of `problem` has ended. `what` names the fit, such as
-  // "finer steps"; it is empty for the first one. Return false to stop the
-  // identification with the best model so far.
+  // Callback at the end of each iteration. `what` names the fit, such as "finer
+  // steps", and is empty for the first one. `problem` is the fitted problem.
+  // Return false to stop the identification with the best model so far.
   virtual bool OnIteration(const std::string& what,
                            const IdentificationProblem& problem,
                            const IdentificationProgress& progress) {
     (void)what, (void)problem, (void)progress;
     return true;
   }
-  // A fit has ended.
+  // Callback at the end of each fit.
   virtual void OnFitEnd(Termination termination) { (void)termination; }
-  // A step of the choice among candidates has ended. The choice can go on from
-  // `checkpoint`, which belongs to the problem `all` with all candidates.
+  // Callback at the end of each step of the choice among candidates. The choice
+  // can continue from `checkpoint`. It belongs to the problem `all` with all
+  // candidates.
   virtual void OnChoice(const IdentificationProblem& all,
                         const Checkpoint& checkpoint) {
     (void)all, (void)checkpoint;
   }
 };
 
-// Watch that passes everything on to another one (nullptr: to nobody). Override
-// what differs.
+// Watch that calls another watch, `next`, which may be nullptr. Derive from it
+// and override the callbacks that are to differ.
 class ForwardingWatch : public IdentificationWatch {
  public:
   explicit ForwardingWatch(IdentificationWatch* next) : next_(next) {}

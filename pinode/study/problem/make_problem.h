@@ -1,7 +1,8 @@
-// Problems from matrices and arrays.
+// Functions that make problems from matrices and arrays.
 //
-// A problem is a plain struct and can be filled by hand; these functions check
-// what the constructors of its parts would abort on, and save lines.
+// A problem is a plain struct and can also be filled by hand. These functions
+// save lines. They report errors on which the constructors of the problem's
+// parts would abort.
 
 #ifndef PINODE_STUDY_PROBLEM_MAKE_PROBLEM_H_
 #define PINODE_STUDY_PROBLEM_MAKE_PROBLEM_H_
@@ -18,29 +19,30 @@
 
 namespace pinode {
 
-// Makes a free unknown alpha that begins at 0: the model's `target` plus alpha
-// times `matrix` (num_dofs x num_dofs).
+// Makes a group: alpha times `matrix` (num_dofs x num_dofs, in the model's
+// units) is added to the matrix `target`. alpha is free and begins at 0.
 GroupTerm MakeFreeGroup(const std::string& name, MatrixGroup::Target target,
                         const Matrix& matrix);
 
-// Makes the channel of a sensor that measures `quantity` times `weights` (one
-// per DOF). `values`: one per sample, in the model's units.
+// Makes the channel of a sensor that measures the sum of `weights` (one per
+// DOF) times `quantity`. `values` has one value per sample, in the model's
+// units; NaN: missing.
 MeasuredChannel MakeMeasuredChannel(const std::string& name, Quantity quantity,
                                     const Vector& weights,
                                     const Vector& values);
 
-// Makes one such channel per DOF from the columns of `values` (samples x DOFs),
-// named "<prefix>1", "<prefix>2", ...
+// Makes one channel per DOF from the columns of `values` (samples x DOFs). The
+// channels are named "<prefix>1", "<prefix>2", ...
 std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
                                           Quantity quantity,
                                           const Matrix& values);
 
-// Returns an acceleration of the ground in each direction of `model`,
-// ground_<name>.
+// Returns one input per direction of `model`: the acceleration of the ground,
+// named "ground_<direction>".
 std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 
 // Makes a problem of the structure `model` with these inputs and terms, without
-// records. Returns false, with *error and *problem untouched, if the model is
+// records. Returns false, with *error and *problem unchanged, if the model is
 // not valid, or if an input or a term does not fit it.
 [[nodiscard]] bool MakeProblem(const StructuralModel& model,
                                const std::vector<InputSpec>& inputs,
@@ -48,10 +50,11 @@ std::vector<InputSpec> GroundMotion(const StructuralModel& model);
                                IdentificationProblem* problem,
                                std::string* error);
 
-// Adds a training record that begins at rest, with one row of `inputs` per
-// input of the model and one column per sample, `step` apart. Returns false,
-// with *error and *problem untouched, if sizes or numbers are wrong.
-// PrepareProblem checks that the channels fit.
+// Adds a training record that begins at rest. `inputs` has one row per input of
+// the dynamics and one column per sample, in the model's units. `step` is the
+// time between samples in the model's unit. Returns false, with *error and
+// *problem unchanged, if sizes or numbers are wrong. PrepareProblem checks the
+// channels.
 [[nodiscard]] bool AddRecord(const std::string& name, double step,
                              const Matrix& inputs, Interpolation interpolation,
                              const std::vector<MeasuredChannel>& channels,
@@ -67,10 +70,10 @@ std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 // - fixes the starts of training records that have `start_samples`
 //   (FixTrainingStarts).
 //
-// A problem from a case file is prepared already; repeating it changes nothing.
+// ReadCase returns a prepared problem. Preparing it again changes nothing.
 //
-// Returns false, with the problem untouched, on an error. *error names the
-// record, channel or mode, and what was expected.
+// Returns false, with the problem unchanged, on an error. *error names the
+// record, channel or mode, and the expected value.
 [[nodiscard]] bool PrepareProblem(IdentificationProblem* problem,
                                   std::string* error);
 

@@ -1,4 +1,4 @@
-// Simulated sensor values of a model under the excitations of its records.
+// Simulation of sensor values under the excitation of a record.
 
 #ifndef PINODE_STUDY_PROBLEM_SIMULATION_H_
 #define PINODE_STUDY_PROBLEM_SIMULATION_H_
@@ -13,11 +13,13 @@
 
 namespace pinode {
 
-// Sensor noise: Gaussian numbers that are the same with every standard library.
+// Gaussian sensor noise. The same seed gives the same numbers with every
+// standard library.
 class SensorNoise {
  public:
   explicit SensorNoise(std::uint64_t seed) : random_(seed) {}
-  // Adds `percent` of the standard deviation of `values` to each.
+  // Adds noise to each value. Its standard deviation is `percent` per cent of
+  // the standard deviation of `values`.
   void AddTo(double percent, Vector* values);
 
  private:
@@ -26,29 +28,30 @@ class SensorNoise {
   std::mt19937_64 random_;
 };
 
+// Result of SimulateRecord.
 struct SimulatedResponse {
-  // True if all of the response is finite. If not, the first sample that is
-  // not.
+  // True if all values are finite. If not, first_not_finite is the index of the
+  // first sample that is not.
   bool finite = false;
   Eigen::Index first_not_finite = 0;
-  // Sensor values without noise: channels x samples, in the units of the
+  // Sensor values without noise, channels x samples, in the units of the
   // record's file.
   Matrix sensors;
   Matrix states;  // num_states x samples, in the model's units
-  // Remark if the response begins at rest because no other start is known; else
-  // empty.
+  // Remark if the response begins at rest because no other start is known.
+  // Otherwise empty.
   std::string remark;
 };
 
-// Returns the standard deviation of a channel's noise, as the case gives it, in
-// per cent of that of `values`, which are in the units of its file; 0 if either
-// is 0.
+// Returns MeasuredChannel::sigma in per cent of the standard deviation of
+// `values`, which are in the units of the file. 0 if one of them is 0.
 double OwnNoisePercent(const MeasuredChannel& channel, const Vector& values);
 
-// Computes the response to the excitation of a record. It begins at the known
-// start, else at the steady state if the excitation is periodic, else at rest.
-// `parameters`: all of the problem's (ParameterLayout). The problem must be
-// valid, except that it may have no free parameters or measurements.
+// Computes the response to the excitation of a record, given by its index. It
+// begins at the known start. Without one, it begins in the steady state of a
+// periodic excitation, else at rest. `parameters` has the values of all
+// parameters in the order of ParameterLayout. The problem must be valid, but
+// needs no free parameters and no measurements.
 SimulatedResponse SimulateRecord(const IdentificationProblem& problem,
                                  int record, const Vector& parameters);
 

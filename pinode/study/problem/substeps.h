@@ -13,50 +13,51 @@
 
 namespace pinode {
 
-// Largest number of steps per sample. If more are needed, the record is sampled
-// too coarsely for the model.
+// Largest number of steps per sample. If more are needed, the samples of the
+// record are too far apart for the model.
 inline constexpr int kMaxSubsteps = 1000;
 
+// Integrator and steps of one record, with the reasons.
 struct SubstepChoice {
   Integrator integrator = Integrator::kRungeKutta;
-  // Number of Runge-Kutta steps. For the exact solution, or exponential steps,
-  // the approximate number that Runge-Kutta would take.
+  // Number of Runge-Kutta steps per sample. For other integrators, the
+  // approximate number that Runge-Kutta would need.
   int substeps = 1;
   StabilityReport stability;
-  // Largest change of a fitted channel when the step is halved (RMS over the
-  // record), and its limit, both in the channel's model unit; NaN if no
-  // simulation was possible.
+  // Change of the fitted channel `channel` if the step is halved (RMS over the
+  // record), and its limit, both in the channel's model unit. The channel is
+  // the one with the largest change. NaN if no simulation was possible.
   double error = 0.0;
   double error_limit = 0.0;
   std::string channel;
 };
 
-// Returns d(dh/dt)/dh at rest, under the inputs of the record's first sample,
-// with the tangents of all elements and networks (num_states x num_states).
-// Laws without a finite tangent at rest are left out.
+// Returns the state matrix d(dh/dt)/dh at rest, num_states x num_states, with
+// the tangents of all elements and networks. Inputs are those of the record's
+// first sample. Laws without a finite tangent at rest are left out.
 Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
                          const IdentificationRecord& record);
 
-// Chooses the number of steps per sample. Halving the step then changes the
-// simulation of the initial model by less than a tenth of sigma in every fitted
-// channel, or by less than 1e-4 of its RMS if sigma is to be estimated. The
-// number is doubled from the smallest stable one, then reduced as the fourth
-// order of RK4 allows.
+// Chooses the number of steps per sample so that halving the step hardly
+// changes the simulation of the initial model. In every fitted channel the
+// change must be below a tenth of sigma, or 1e-4 of its RMS if sigma is to be
+// estimated. The number is doubled from the smallest stable one. It is then
+// reduced as far as the fourth order of the method allows.
 //
-// The simulation starts at rest or from the known start. A free start is taken
-// from the first sample if displacement and velocity channels determine it, and
-// is at rest otherwise. If that gives no motion, or the model diverges, the
-// rule is step * max|lambda| <= 0.35: then RK4 errs by less than 5e-5 of the
-// amplitude per radian.
+// The simulation starts from the known start. A free start is taken from the
+// first sample if channels of displacement and velocity determine it, and is
+// rest otherwise. If nothing moves, or the simulation diverges, the rule is
+// step * max|lambda| <= 0.35. The error is then below 5e-5 of the amplitude per
+// radian.
 //
-// `record.substeps` is not read. Fails if more than kMaxSubsteps would be
-// needed, or if the dynamics cannot be prepared.
+// `record.substeps` is not read. Returns false, with *error, if more than
+// kMaxSubsteps would be needed or the dynamics cannot be prepared.
 [[nodiscard]] bool ChooseSubsteps(const StructuralDynamics& dynamics,
                                   const IdentificationRecord& record,
                                   SubstepChoice* choice, std::string* error);
 
-// Checks `substeps`, given by the user. Fails if the integration would be
-// unstable.
+// Checks the number of steps per sample that a user has given. Returns false,
+// with *error, if the integration would be unstable.
 [[nodiscard]] bool CheckSubsteps(const StructuralDynamics& dynamics,
                                  const IdentificationRecord& record,
                                  int substeps, SubstepChoice* choice,
@@ -64,19 +65,20 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
 
 // Sets the steps of all records:
 //
-// - zeros are chosen, and marked so; given numbers are checked;
-// - the exact solution (see IntegratorOf) takes no steps; if steps are given
-//   for a training record, the other records take steps too;
-// - exponential steps are chosen in all records or in none; they must suit, and
-//   at most half as many must do as Runge-Kutta needs to be stable, or no more
-//   with 16 states;
-// - a model carries the error of the steps of its fit, so that no record is
-//   integrated more coarsely than the finest training record where steps are
-//   chosen.
+// - If `substeps` is 0, steps are chosen, and `substeps_chosen` is set. Given
+//   steps are checked.
+// - The exact solution (see IntegratorOf) needs no steps. If a training record
+//   has given steps, the other records get steps too.
+// - Exponential steps are used in all records or in none. They must suit the
+//   dynamics. With 16 or more states they must be at most as many as
+//   Runge-Kutta needs to be stable, with fewer states half as many.
+// - If steps are chosen, no record has fewer steps than the finest training
+//   record, because a model contains the error of the steps of its fit.
 //
-// Returns false if a record asks for the exact solution of dynamics that are
-// not linear, or for exponential steps that do not suit. On failure *failed is
-// the record of *error.
+// Returns false, with *error, if steps cannot be chosen or are unstable. Also
+// returns false if a record requires the exact solution of nonlinear dynamics,
+// or exponential steps that are not suitable. *failed is then the index of the
+// record.
 [[nodiscard]] bool SetSubsteps(IdentificationProblem* problem,
                                std::vector<SubstepChoice>* choices, int* failed,
                                std::string* error);

@@ -1,4 +1,4 @@
-// Sensor placement: the sensors with the most information about chosen
+// Sensor placement: finds the sensors with the most information about chosen
 // unknowns.
 
 #ifndef PINODE_STUDY_SENSORS_SENSOR_PLAN_H_
@@ -15,21 +15,24 @@
 
 namespace pinode {
 
+// Options of PlanSensors.
 struct SensorPlanOptions {
+  // Quantity that the plan minimises.
   enum class Criterion {
-    // Smallest volume of the targets' confidence region: the largest
-    // determinant of their information (D-optimal).
+    // Volume of the targets' confidence region. The determinant of their
+    // information is then largest (D-optimal design, V. V. Fedorov 1972).
     kDeterminant,
-    // Smallest standard deviation of the least certain target.
+    // Standard deviation of the least certain target.
     kWorstDeviation,
   };
   int num_sensors = 1;
   Criterion criterion = Criterion::kDeterminant;
-  // Free parameters to be determined. Empty: the groups of stiffness and mass
-  // that follow no covariate or, without any, the other free named parameters.
-  // All other unknowns are also free, but do not affect the choice otherwise.
+  // Names of the free parameters to be determined. Empty: the free groups of
+  // stiffness and mass that follow no covariate, or all free named parameters
+  // if there are none. All other unknowns count as unknown, but their
+  // uncertainty does not matter.
   std::vector<std::string> targets;
-  // True: the problem's own sensors stay, and more are chosen.
+  // True: the problem's own sensors stay, and further ones are chosen.
   bool keep_own = false;
 };
 
@@ -41,39 +44,43 @@ struct SensorRequest {
   std::vector<CandidateSensor> candidates;
   // DOFs at which a force could act.
   std::vector<std::string> excite;
-  // Lengths of records, model time.
+  // Durations of records, in the model's unit of time.
   std::vector<double> durations;
 };
 
+// Result of PlanSensors.
 struct SensorPlan {
   std::vector<std::string> targets;
-  // Result with one more sensor. Deviations of groups are absolute, those of
-  // other targets relative to |initial value| (or to the prior's deviation). An
-  // undetermined target counts as 10, which means unknown.
+  // Expected standard deviations of the targets after adding one sensor. Those
+  // of groups are absolute. Those of other targets are relative to |initial
+  // value|, or to the prior's standard deviation. 10 means unknown.
   struct Step {
-    int candidate = -1;      // index into the candidates; -1: there is none
-    double typical = 0.0;    // geometric mean over the axes of the region
+    int candidate = -1;      // index of the added sensor; -1: none
+    double typical = 0.0;    // geometric mean of the semi-axes
     double worst = 0.0;      // largest standard deviation
-    std::string worst_name;  // name of that target
+    std::string worst_name;  // target with this deviation
   };
-  Step without;             // before the first: the sensors that stay
-  std::vector<Step> steps;  // the most informative first
-  Step next;                // with one more sensor
-  Step own;                 // the problem's own sensors, for comparison
-  int num_exchanges = 0;    // after the greedy choice
-  // Deviations of all free named parameters except those of sensors, with the
-  // problem's own sensors, the planned ones, and all candidates at once.
+  Step without;             // only the sensors that stay
+  std::vector<Step> steps;  // most informative sensor first
+  Step next;                // with one more than requested
+  Step own;                 // with the problem's own sensors
+  int num_exchanges = 0;    // number of exchanges
+  // Expected standard deviations of all free named parameters except those of
+  // sensors: with the problem's own sensors, with the planned ones, and with
+  // all candidates.
   std::vector<ExpectedDeviation> by_own, by_plan, by_all;
-  // Directions that they do not determine, as in ProblemAssessment.
+  // Combinations of parameters that the own and the planned sensors do not
+  // determine, see ProblemAssessment::undetermined.
   std::vector<std::string> undetermined_by_own, undetermined_by_plan;
+  // Information from which the plan was made.
   PlanningInformation information;
 };
 
-// Plans sensors. Chooses one sensor after the other, each the best in addition
-// to the previous ones. Then exchanges chosen for other sensors as long as that
-// is better (V. V. Fedorov, Theory of Optimal Experiments, 1972; the best
-// single exchange at a time). Uses a single linearisation (LinearizeSensors)
-// and no fit.
+// Plans sensors. First adds one sensor after the other, each time the one that
+// improves the criterion most. Then exchanges single sensors, the best exchange
+// first, until no exchange improves the criterion (V. V. Fedorov, Theory of
+// Optimal Experiments, 1972). The plan uses one linearisation
+// (LinearizeSensors) and no fit.
 //
 // Returns false, with a sentence in *error, if LinearizeSensors fails, if there
 // are fewer candidates than requested sensors, or if a target is not a free
@@ -91,16 +98,17 @@ struct PlannedExcitation {
   SensorPlan plan;
 };
 
-// Result of chosen sensors with only the first part of each training record.
+// Expected standard deviations from the planned sensors if each training record
+// is cut to a duration.
 struct PlannedDuration {
-  double duration = 0.0;  // model time
+  double duration = 0.0;  // in the model's unit of time
   SensorPlan::Step reached;
 };
 
-// Computes the results of the planned sensors (and own ones that stay) for
-// records cut to these durations, in the order given. Returns false, with a
-// sentence in *error, if a duration is longer than a training record or shorter
-// than its second sample.
+// Computes the expected standard deviations with the planned sensors, and the
+// own ones that stay, for records that are cut to `durations`. *reached has one
+// entry per duration. Returns false, with a sentence in *error, if a duration
+// is longer than a training record or shorter than one sampling step.
 [[nodiscard]] bool PlanDurations(const IdentificationProblem& problem,
                                  const IdentificationOptions& options,
                                  const std::vector<OwnSensor>& own,
