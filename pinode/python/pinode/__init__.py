@@ -1,11 +1,13 @@
 """Structural identification from matrices and records.
 
+The simple case is one call:
+
     import pinode
 
     fit = pinode.identify(M, K, floors, ground=ag, fs=100)
     print(fit)
 
-is the simple case. A case of several parts:
+Other cases are made of parts:
 
     case = pinode.Case(
         pinode.Model(mass=M, stiffness=K, damping=C),
@@ -18,11 +20,12 @@ is the simple case. A case of several parts:
     fit = case.identify()
     print(fit)
 
-A case has the parts that a case file has, under the names that it has for
-them, with arrays of NumPy (or SciPy) where that names files; numbers are in
-the units of the model unless a part says otherwise. What is wrong is raised as
-`pinode.Error`, a ValueError of one sentence; an unknown keyword as
-`pinode.KeywordError`, which is a TypeError too.
+Parts and keywords have the names of a case file. Arrays of NumPy or SciPy take the
+place of file names. Numbers are in the units of the model unless a part says
+otherwise.
+
+Errors are raised as `pinode.Error`, a ValueError with one sentence. An unknown
+keyword raises `pinode.KeywordError`, which is also a TypeError.
 """
 
 from __future__ import annotations
@@ -68,7 +71,7 @@ MODULES = ("calculix", "elements", "figures", "frames", "opensees")
 
 
 def __getattr__(name: str) -> ModuleType:
-    """The modules that are read when they are asked for."""
+    """Imports a module of the package at its first use."""
     if name in MODULES:
         import importlib
 

@@ -1,8 +1,8 @@
-"""Checks of arguments, where they are given and in the words of Python.
+"""Checks of arguments, with messages in Python's terms.
 
-`takes` says for each argument of a constructor or a function what kind of value it
-has. An unknown keyword is a `KeywordError`, another kind of value an `Error`; both
-name the argument.
+`takes` states the kind of value of each argument of a constructor or a function. An
+unknown keyword raises a `KeywordError`, a value of another kind an `Error`. Both name
+the argument.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ._pinode import Error
 
 
 class KeywordError(Error, TypeError):
-    """A keyword that a function does not have, or one that is missing."""
+    """An unknown keyword, or a missing one."""
 
 
 class Kind(NamedTuple):
-    """A kind of value: what it is called, and what belongs to it."""
+    """A kind of value: its name, and the test of a value."""
 
     expected: str
     fits: Callable[[Any], bool]
@@ -54,14 +54,16 @@ def _is_path(value: Any) -> bool:
 
 
 def _is_list(value: Any) -> bool:
-    """A list, an array of one dimension or more, a column of pandas, a range."""
+    """True for a list, an array of one dimension or more, a column of pandas, and a
+    range.
+    """
     if isinstance(value, (str, bytes, Mapping)):
         return False
     return hasattr(value, "__iter__") and getattr(value, "shape", (0,)) != ()
 
 
 def _is_matrix(value: Any) -> bool:
-    """An array, rows, or a file of them. Their sizes are for the part to check."""
+    """True for an array, rows, or a file of them. The part checks their sizes."""
     is_sparse = hasattr(value, "tocsc")
     return is_sparse or _is_path(value) or isinstance(value, Mapping) or _is_list(value)
 
@@ -82,19 +84,19 @@ ANY = Kind("a value", lambda v: True)
 
 
 def either(*kinds: Kind) -> Kind:
-    """One of several kinds."""
+    """Returns the kind of values that are of one of several kinds."""
     return Kind(" or ".join(kind.expected for kind in kinds),
                 lambda v: any(kind.fits(v) for kind in kinds))
 
 
 def one_of(*words: str) -> Kind:
-    """One of these texts."""
+    """Returns the kind of values that are one of these texts."""
     return Kind("one of " + ", ".join(f"'{word}'" for word in words),
                 lambda v: isinstance(v, str) and v in words)
 
 
 def words_of(value: Any) -> str:
-    """A value in a message."""
+    """Returns a value as text for a message."""
     if isinstance(value, str):
         return f"the text {value!r:.40}"
     if isinstance(value, (bool, np.bool_)) or value is None:
@@ -111,7 +113,9 @@ def words_of(value: Any) -> str:
 
 
 def hint(word: str, known: Any) -> str:
-    """A sentence with the word that may have been meant, or with all that are known."""
+    """Returns a sentence with the word that was probably meant, or with all known
+    ones.
+    """
     known = [str(name) for name in known]
     near = difflib.get_close_matches(word, known, 1, 0.6)
     begins = [name for name in known if len(word) > 2 and name.startswith(word)]
@@ -134,7 +138,7 @@ _OTHERS = {
 
 
 def unknown_keyword(title: str, key: str, known: Any) -> KeywordError:
-    """The exception for a keyword that is not one of `known`."""
+    """Returns the exception for a keyword that is not one of `known`."""
     other = _OTHERS.get(key)
     said = f"did you mean '{other}'?" if other in known else hint(key, known)
     return KeywordError(f"{title}() has no keyword '{key}'; {said}")
@@ -156,9 +160,11 @@ def check_kind(where: str, name: str, value: Any, kind: Kind) -> None:
 
 
 def takes(**kinds: Kind) -> Callable[[Any], Any]:
-    """A decorator that checks the arguments of a function. `kinds` has further
-    keywords too where the function has **keys. Arguments that are not in it, and
-    None where that is the default, are not checked."""
+    """Returns a decorator that checks the arguments of a function.
+
+    `kinds` may include keywords that the function takes as **keys. Arguments without
+    a kind are not checked, and neither is None as the default.
+    """
 
     def decorate(function: Any) -> Any:
         signature = inspect.signature(function)

@@ -1,8 +1,7 @@
-"""Arrays as others have them, masked ones and those of pandas, as arrays of NumPy with
-NaN where an entry is missing.
+"""Conversion of masked arrays and of pandas to NumPy, with NaN for missing entries.
 
-What is masked has a number below its mask that nobody is to see; NumPy itself
-hands that out wherever a plain array is asked for.
+A masked entry hides a number. NumPy returns this number if a plain array is
+requested.
 """
 
 from __future__ import annotations
@@ -18,8 +17,7 @@ from ._pinode import Error
 
 
 def plain(values: Any) -> Any:
-    """An array with masked entries as one with NaN in their places; any other value
-    as it is."""
+    """Returns a masked array as an array with NaN. Other values are unchanged."""
     if not isinstance(values, np.ma.MaskedArray) or values.dtype.kind == "V":
         return values
     if not values.mask.any():
@@ -31,13 +29,16 @@ def plain(values: Any) -> Any:
 
 
 def is_frame(values: Any) -> bool:
-    """Whether it is a frame of pandas, or of others that look like it."""
+    """True for a frame of pandas, or of a similar package."""
     return hasattr(values, "columns") and hasattr(values, "to_numpy")
 
 
 def as_array(values: Any) -> np.ndarray:
-    """`values` as an array, NaN where they are masked or NA, and where they are
-    numbers that are kept as objects. Raises what NumPy raises for what is no array."""
+    """Returns `values` as an array, with NaN for masked and NA entries.
+
+    Numbers that are stored as objects become numbers. Raises NumPy's exception if
+    `values` is not an array.
+    """
     if isinstance(values, (list, tuple)):
         array = np.asarray([plain(v) for v in values])
     elif is_frame(values):
@@ -51,7 +52,7 @@ def as_array(values: Any) -> np.ndarray:
 
 
 def columns_of(frame: Any) -> list[Any]:
-    """The columns of a frame, of those too that are called alike."""
+    """Returns the columns of a frame, also those that share a name."""
     if hasattr(frame, "iloc"):
         return [frame.iloc[:, place] for place in range(len(frame.columns))]
     return [frame[name] for name in frame.columns]
@@ -59,7 +60,7 @@ def columns_of(frame: Any) -> list[Any]:
 
 def _of_series(values: Any) -> np.ndarray:
     kind = getattr(values.dtype, "kind", "")
-    # Of pandas' own types, which become objects by themselves.
+    # Types of pandas, which become objects in NumPy.
     if hasattr(values.dtype, "na_value") and kind in ("f", "i", "u"):
         return values.to_numpy(dtype=float, na_value=np.nan)
     if hasattr(values.dtype, "tz"):
@@ -68,7 +69,7 @@ def _of_series(values: Any) -> np.ndarray:
 
 
 def _numbers(array: np.ndarray) -> np.ndarray:
-    """Objects as numbers, where all of them are some or missing."""
+    """Returns objects as numbers if all of them are numbers or missing."""
     found = np.empty(array.shape)
     for place, value in enumerate(array.ravel()):
         if value is None or type(value).__name__ == "NAType":
@@ -83,7 +84,9 @@ def _numbers(array: np.ndarray) -> np.ndarray:
 
 
 def rows_of_file(path: str) -> int:
-    """Of a square matrix in a text file, as its first line says; 0: it does not."""
+    """Returns the number of rows of a square matrix in a text file, from its first
+    line. 0: the line does not state it.
+    """
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
             line = next((text for text in file if text.strip() and text[0] not in "%#"), "")
@@ -98,8 +101,9 @@ def rows_of_file(path: str) -> int:
 
 
 def seconds_of(where: str, values: Any) -> np.ndarray | None:
-    """Of dates those since the first of them, of differences of time those that they
-    are; None of what is neither. `where`: for messages."""
+    """Returns dates as seconds since the first one, and time differences as seconds.
+    None for other values. `where` is for messages.
+    """
     if isinstance(values, (list, tuple)):
         try:
             values = np.asarray(values)

@@ -1,5 +1,8 @@
-"""The tables of a case, and what it is for: its responses are there ("check", which
-is for fits too), it is simulated, or sensors for it are planned."""
+"""Tables of a case, and its purpose.
+
+The purpose is "check" (also for fits) if responses are given, else a simulation or
+the planning of sensors.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,7 @@ _LISTS = {
 
 
 def check_parts(parts: Mapping[str, Any]) -> None:
-    """What a reader of files would call by other names."""
+    """Raises an Error if a list of parts is not a list of dictionaries."""
     for key, maker in _LISTS.items():
         part = parts.get(key)
         if isinstance(part, Mapping):
@@ -58,7 +61,7 @@ def check_parts(parts: Mapping[str, Any]) -> None:
 
 
 def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:
-    """The parts of a case as its file has them."""
+    """Returns the parts of a case as the tables of a file."""
     tables = {KEYS.get(key, key): part for key, part in parts.items()}
     if "reference_curve" in tables:
         tables["reference_curve"] = curves(tables["reference_curve"])
@@ -66,7 +69,7 @@ def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def purpose_of(tree: Mapping[str, Any]) -> str:
-    """Of the tables of a case: what its records can be for."""
+    """Returns the purpose that the records in these tables can have."""
     given = tree.get("record")
     listed = given if isinstance(given, (list, tuple)) else ()
     records = [r for r in listed
@@ -78,7 +81,7 @@ def purpose_of(tree: Mapping[str, Any]) -> str:
 
 
 def is_for_simulation(record: Mapping[str, Any]) -> bool:
-    """Whether a record has a channel without values."""
+    """True if a record has a channel without values."""
     file = record.get("file")
     # A file of PEER has one motion, which needs no name.
     if isinstance(file, (str, os.PathLike)) and str(file).lower().endswith(".at2"):

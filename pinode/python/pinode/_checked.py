@@ -1,9 +1,9 @@
-"""One sentence where pybind11 has a paragraph.
+"""One-sentence errors in place of those of pybind11.
 
-A value that a function of the extension module cannot take is a TypeError with
-all its signatures and the `repr` of all that was passed. Here it becomes
-`pinode.Error`, which names the argument. Flags of the programs that sentences of the
-library name become arguments.
+If a function of the extension module cannot take a value, pybind11 raises a TypeError
+with all signatures and the `repr` of all arguments. This module raises `pinode.Error`
+instead, which names the argument. In sentences of the library, flags of programs
+become arguments.
 """
 
 from __future__ import annotations
@@ -64,12 +64,15 @@ def _checked(function: Any, error: type[Exception]) -> Any:
 
 
 def _in_python(sentence: str) -> str:
-    """Flags of the programs as arguments."""
+    """Returns a sentence with arguments in place of flags of the programs."""
     return re.sub(r"--(overwrite|resume)\b", r"\1=True", sentence)
 
 
 def _sentence(signature: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
-    """`signature`: pybind11's "name(case: pinode._pinode.CaseHandle, n: int = 0)"."""
+    """Returns the sentence on the argument at fault.
+
+    `signature` is pybind11's "name(case: pinode._pinode.CaseHandle, n: int = 0)".
+    """
     parameters = re.findall(r"(\w+): ([\w.]+)", signature.partition("->")[0])
     given = {**dict(zip((name for name, _ in parameters), args)), **kwargs}
     for name, kind in parameters:

@@ -1,4 +1,4 @@
-"""The table that stands in for a record's file: arrays, and columns of frames."""
+"""Table in place of a record's file: arrays, and columns of frames."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from ._pinode import Error
 
 
 class Columns:
-    """What a record's signals are taken from.
+    """Source of a record's signals.
 
-    `file`: a path; or a frame or a dictionary, of which those columns are taken that
-    are used, and the others that hold numbers, which a case may name elsewhere.
+    `file` is a path, a frame or a dictionary. From a frame or a dictionary the used
+    columns are taken. Other columns with numbers are taken too, because a case may
+    name them elsewhere.
     """
 
     def __init__(self, record: str, file: Any) -> None:
@@ -27,11 +28,11 @@ class Columns:
         self._frame = None if _is_path(file) else _Frame(self._record, file)
         self._columns: dict[str, Any] = {}
         self._time: str | None = None
-        # Whether its times were dates, which are seconds now.
+        # True if its times were dates, which are seconds now.
         self.has_dates = False
 
     def file(self) -> Any:
-        """What stands for the record's file; None: there is none."""
+        """Value of the key `file` of the record. None: there is none."""
         if self._path is not None:
             return self._path
         if self._frame is None:
@@ -39,7 +40,7 @@ class Columns:
         return {**self._frame.others(self._columns), **self._columns} or None
 
     def time(self, given: Any) -> str | None:
-        """The column of the time; `given`: its name, or times in seconds."""
+        """Returns the column of the time. `given` is its name, or times in seconds."""
         if given is None or isinstance(given, str):
             self._time = given
             if given is not None and self._frame is not None:
@@ -54,8 +55,11 @@ class Columns:
         return self._time
 
     def signal(self, value: Any, name: str, table: dict[str, Any]) -> dict[str, Any]:
-        """The table of an input or a channel: its values, or keys with them among
-        these. `name`: of the column that its array becomes."""
+        """Returns the table of an input or a channel.
+
+        `value` is its values, or a dictionary with them. `name` is the column that
+        its array becomes.
+        """
         keys = dict(value) if isinstance(value, Mapping) else {"values": value}
         values, file = keys.pop("values", None), keys.get("file")
         is_covariate = "name" in table
@@ -85,8 +89,9 @@ class Columns:
         return {**table, **keys}
 
     def _array(self, name: str, values: Any, time: Any) -> dict[str, Any]:
-        """Keys of an array: a column of the record's table, or of one of its own
-        beside a file or with times of its own."""
+        """Returns the keys of an array: a column of the record's table, or of a table
+        of its own if it has its own times or the record has a file.
+        """
         if time is None and self._path is None:
             column = self._free_name(name)
             self._columns[column] = values
@@ -107,7 +112,7 @@ class Columns:
         return {"column": column, "file": {self._time: times, column: values}}
 
     def _table(self, frame: "_Frame", column: Any) -> dict[str, Any]:
-        """What is used of a signal's own frame."""
+        """Returns the used columns of a signal's own frame."""
         used = {}
         if self._time is not None:
             used[self._time] = self._times(f"column '{self._time}'", frame.column(self._time))
@@ -121,14 +126,16 @@ class Columns:
         return values if seconds is None else seconds
 
     def _free_name(self, name: str) -> str:
-        """`name`, or one like it where another column is called so."""
+        """Returns `name`, or a similar one if another column has this name."""
         while name in self._columns or (self._frame is not None and name in self._frame):
             name += "_"
         return name
 
 
 def curves(given: Any) -> Any:
-    """Reference curves of a case, with arrays in a table that stands in for a file."""
+    """Returns the reference curves of a case, with arrays in a table in place of a
+    file.
+    """
     if not isinstance(given, (list, tuple)):
         return given
     return [_curve(f"reference_curves[{i}]", curve) for i, curve in enumerate(given)]
@@ -149,7 +156,7 @@ def _curve(where: str, curve: Any) -> Any:
 
 
 class _Frame:
-    """Columns by name: of a frame, with the names of its index, or of a dictionary."""
+    """Columns by name, of a frame with the names of its index, or of a dictionary."""
 
     def __init__(self, where: str, columns: Any) -> None:
         self._where = where
@@ -173,7 +180,9 @@ class _Frame:
         return name in self._columns or name in self._index
 
     def column(self, name: str) -> Any:
-        """Its numbers, or what is refused by name when the case is made."""
+        """Returns the numbers of a column. If they are not numbers, the case refuses
+        them by name.
+        """
         if name in self._twice:
             raise Error(f"{self._where}: several columns are called '{name}', expected one")
         for columns in (self._columns, self._index):
@@ -185,8 +194,9 @@ class _Frame:
         raise Error(f"{self._where}: there is no column '{name}'; {hint}")
 
     def others(self, used: Mapping[str, Any]) -> dict[Any, Any]:
-        """Columns that nobody has used, of numbers; all of a dictionary of which none
-        is used."""
+        """Returns the columns of numbers that are not used. For a dictionary without
+        used columns it returns all.
+        """
         found = {}
         for name, values in self._columns.items():
             if name in used or name in self._twice:

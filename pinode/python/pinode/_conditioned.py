@@ -1,4 +1,4 @@
-"""Records of arrays before their modes are looked for: without a trend, filtered."""
+"""Preparation of arrays before their modes are identified: detrending and filtering."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _KINDS = ("constant", "linear")
 
 
 def check_trend(detrend: Any) -> str | None:
-    """The kind of trend to take away; None: none."""
+    """Returns the kind of trend to subtract. None: none."""
     if detrend is None or detrend is False:
         return None
     if detrend is True:
@@ -28,7 +28,7 @@ def check_trend(detrend: Any) -> str | None:
 
 
 def check_band(filter_hz: Any) -> tuple[float | None, float | None] | None:
-    """The ends of the band that a filter lets through, None where it is open."""
+    """Returns the ends of the filter's pass band. None stands for an open end."""
     if filter_hz is None:
         return None
     ends = as_sequence("filter_hz", filter_hz)
@@ -48,8 +48,9 @@ def conditioned(
     detrend: str | None,
     band: tuple[float | None, float | None] | None,
 ) -> np.ndarray:
-    """samples x channels without a constant or linear trend, of which a zero-phase
-    Butterworth filter lets `band` through. `where`: for messages."""
+    """Returns samples x channels without trend, filtered by a zero-phase Butterworth
+    filter with this pass band. `where` is for messages.
+    """
     if detrend is None and band is None:
         return values
     if values.dtype.kind not in "fiu":
@@ -61,7 +62,9 @@ def conditioned(
 
 
 def _without_trend(values: np.ndarray, kind: str) -> np.ndarray:
-    """A line, or a constant, fitted to the samples that are there."""
+    """Subtracts a line, or a constant, that is fitted to the samples that are not
+    missing.
+    """
     time = np.linspace(-1.0, 1.0, len(values))
     terms = np.vander(time, 2 if kind == "linear" else 1)
     rest = values.copy()

@@ -1,4 +1,4 @@
-"""A model over what its constraints leave, DOFs without mass among them."""
+"""Models after elimination of constraints, including DOFs without mass."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from .parts import FiniteElementModel, Group
 
 
 class ConstrainedModel(NamedTuple):
-    """M, C (None: not given) and K over `dofs`; motion of all equations =
-    link @ motion of `dofs`."""
+    """M, C (None: not given) and K over `dofs`. Motion of all equations = link @ motion
+    of `dofs`.
+    """
 
     mass: np.ndarray
     damping: np.ndarray | None
@@ -21,7 +22,7 @@ class ConstrainedModel(NamedTuple):
     link: np.ndarray
 
     def group(self, name: str, matrix: np.ndarray, adds_to: str, **keys: Any) -> Group:
-        """Of a part of M, C or K over all equations."""
+        """Returns a group from a part of M, C or K over all equations."""
         wholes = {"mass": self.mass, "damping": self.damping, "stiffness": self.stiffness}
         whole = wholes.get(adds_to) if isinstance(adds_to, str) else None
         if whole is None:
@@ -33,7 +34,9 @@ class ConstrainedModel(NamedTuple):
                      factor=2.0, **keys)
 
     def model(self, keep: list[str], **keys: Any) -> FiniteElementModel:
-        """Of which `keep` stay, the others following them statically."""
+        """Returns the model in which the DOFs `keep` stay and the others follow
+        statically.
+        """
         return FiniteElementModel(
             self.mass,
             self.stiffness,

@@ -1,5 +1,4 @@
-"""What figures have in common: the colours and lines of the report, panels,
-labels, bands."""
+"""Common parts of figures: colours and lines of the report, panels, labels, bands."""
 
 from __future__ import annotations
 
@@ -23,7 +22,7 @@ BAND: Mapping[str, Any] = {"color": BLUE, "alpha": 0.2, "lw": 0}
 
 
 def blank(width: float, height: float) -> Any:
-    """An empty figure, inches."""
+    """Returns an empty figure; sizes in inches."""
     try:
         from ._figure import Figure
     except ImportError:
@@ -36,7 +35,9 @@ def blank(width: float, height: float) -> Any:
 def panels(
     count: int = 1, columns: int = 1, *, width: float = 7.0, height: float = 2.4
 ) -> tuple[Any, Sequence[Any]]:
-    """A figure of `count` panels, row by row; height: inches, of a row."""
+    """Returns a figure of `count` panels, row by row. `height` is that of a row in
+    inches.
+    """
     columns = max(1, min(columns, count))
     rows = max(1, -(-count // columns))
     figure = blank(width, rows * height)
@@ -47,18 +48,18 @@ def panels(
 
 
 def label(quantity: str, unit: str) -> str:
-    """"a1 (m/s^2)"; of what has no unit the quantity alone."""
+    """Returns "a1 (m/s^2)", or the quantity alone if it has no unit."""
     return quantity if unit in ("", "1") else f"{quantity} ({unit})"
 
 
 def decibels(density: np.ndarray) -> np.ndarray:
-    """10 log10; NaN where that is not positive."""
+    """Returns 10 log10(density), with NaN if the density is not positive."""
     density = np.asarray(density)
     return 10.0 * np.log10(np.where(density > 0.0, density, np.nan))
 
 
 def band(ax: Any, x: np.ndarray, low: np.ndarray, high: np.ndarray, **more: Any) -> None:
-    """What lies between, where both are finite."""
+    """Fills the area between two curves, where both are finite."""
     there = np.isfinite(low) & np.isfinite(high)
     if there.any():
         ax.fill_between(x, low, high, where=there, **{**BAND, **more})
@@ -66,7 +67,7 @@ def band(ax: Any, x: np.ndarray, low: np.ndarray, high: np.ndarray, **more: Any)
 
 def bars(ax: Any, names: Sequence[str], changes: Any, lows: Any, highs: Any,
          colours: Sequence[Any]) -> None:
-    """Changes (%) from the top to the bottom with their intervals."""
+    """Draws changes in per cent with their intervals, from top to bottom."""
     changes, lows, highs = (np.asarray(v, dtype=float) for v in (changes, lows, highs))
     places = np.arange(len(names))
     ax.barh(places, changes, 0.55, color=colours, zorder=1)

@@ -1,5 +1,6 @@
-"""A figure that a notebook shows. Apart from the rest, since matplotlib is
-imported where a figure is drawn, and not before."""
+"""Figure that a notebook shows, in a module of its own because matplotlib is imported
+only when a figure is drawn.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +11,9 @@ import matplotlib.figure
 
 
 class Figure(matplotlib.figure.Figure):
-    """matplotlib's, with a picture of its own: IPython knows how to show
-    matplotlib's only once pyplot is there, which nothing here needs."""
+    """Figure of matplotlib that draws its own picture. IPython can show matplotlib's
+    figures only after pyplot was imported, which this package does not need.
+    """
 
     def _repr_png_(self) -> "bytes | None":
         if not self.axes:

@@ -1,4 +1,4 @@
-"""Figures of what has not been measured: simulations and plans of sensors."""
+"""Figures of simulations and of sensor plans."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def simulated(simulation: Any, record: str | None = None, *, most: int = 8) -> "Figure | None":
-    """The first `most` channels of a simulated record, the first unless named."""
+    """First `most` channels of a simulated record. Default: the first record."""
     names = list(simulation.keys())
     if record is None and names:
         record = names[0]
@@ -35,8 +35,9 @@ def simulated(simulation: Any, record: str | None = None, *, most: int = 8) -> "
 
 
 def planned(plan: Any) -> "Figure | None":
-    """What each sensor and those before it reach: the typical and the worst standard
-    deviation of the targets, beside those of the case's own sensors."""
+    """Typical and worst standard deviation of the targets with each sensor and all
+    previous ones, and with the case's own sensors.
+    """
     names, steps = plan.names, list(plan)
     if not steps:
         return None

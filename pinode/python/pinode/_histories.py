@@ -1,4 +1,4 @@
-"""Figures of what goes on in time: records, forces, loops of devices."""
+"""Figures over time: records, forces, loops of devices."""
 
 from __future__ import annotations
 
@@ -15,18 +15,21 @@ if TYPE_CHECKING:
 # Their loop says everything: there is no force over the rate.
 _SPRINGS = ("cubic", "quadratic_stiffness", "bilinear", "bouc_wen", "backlash_friction")
 _MOST_LOOP_SAMPLES = 2000
-# Of a known force: fewer in a panel are drawn as dots.
+# Number of samples of a known force in a panel; fewer are drawn as dots.
 _FEW_SAMPLES = 50
 
 
 def prediction(
     outcome: Any, record: str | None = None, *, most: int = 12
 ) -> "Figure | None":
-    """Of the `most` channels of a record (the first unless named) that are
-    predicted worst: measured, and the free run of the model with its 95 % band;
-    the strongest part of it; and what the model leaves, with plus and minus two
-    sigma of the noise. The free run of the model before the fit is beside them,
-    unless it does not stay finite."""
+    """Measured and simulated values of a record, for the `most` channels that are
+    predicted worst. Default: the first record.
+
+    The first panel shows the whole record with the 95 % band of the simulation, the
+    second its strongest part. The third shows the error, with plus and minus two
+    sigma of the noise. The simulation of the initial model is drawn too, unless it
+    diverges.
+    """
     result = outcome.record(record)
     if not result.predicted or len(result.time) < 2:
         return None
@@ -84,7 +87,7 @@ def prediction(
 
 
 def time_units(outcome: Any) -> "dict[str, str]":
-    """By record that of its file."""
+    """Returns the unit of time of each record's file, by record."""
     return {table["name"]: table.get("time_unit", "s")
             for table in outcome.case.to_dict().get("record", [])}
 
@@ -99,8 +102,9 @@ def _title(name: str, score: dict[str, Any], channel: "dict[str, Any] | None") -
 
 
 def _range(measured: np.ndarray, *predicted: Any) -> tuple[float, float]:
-    """Room for what was measured and, as far as it does not dwarf that, for what
-    was predicted: the model before may run away."""
+    """Returns the range of the measured values, and of the predicted ones unless they
+    are much larger: the initial model may diverge.
+    """
     there = measured[np.isfinite(measured)]
     low, high = (there.min(), there.max()) if len(there) else (0.0, 0.0)
     room = max(high - low, 1e-300)
@@ -117,8 +121,9 @@ def _range(measured: np.ndarray, *predicted: Any) -> tuple[float, float]:
 def _strongest_part(
     outcome: Any, values: np.ndarray, time: np.ndarray, unit: str
 ) -> slice:
-    """Around the largest fluctuation, some six periods of the first mode. A free
-    decay is seen best after its peak."""
+    """Returns the range around the largest fluctuation, about six periods of the first
+    mode. A free decay begins at its peak.
+    """
     size = len(values)
     if not np.isfinite(values).any():
         return slice(0, size)
@@ -135,8 +140,9 @@ def _strongest_part(
 
 
 def forces(outcome: Any) -> "Figure | None":
-    """Unknown forces with their 95 % bands, beside the truth where the case gives
-    one: all of each, and where it is largest."""
+    """Unknown forces with 95 % bands, and the true force if the case gives one: the
+    whole force, and its largest part.
+    """
     found = {name: force for name, force in outcome.forces.items()
              if len(force["force"]) > 1 and np.isfinite(force["force"]).all()}
     if not found:
@@ -163,8 +169,9 @@ def forces(outcome: Any) -> "Figure | None":
 def _draw_truth(
     ax: Any, truth: "dict[str, np.ndarray]", time: np.ndarray, as_dots: bool
 ) -> None:
-    """Between few samples a blow is not what a straight line makes of it: of a part
-    that has few of them these are dots."""
+    """Draws the true force. If a part has few samples, they are dots, because a line
+    between them would be wrong for a blow.
+    """
     shown = (truth["time"] >= time[0]) & (truth["time"] <= time[-1])
     if as_dots and shown.sum() < _FEW_SAMPLES:
         ax.plot(truth["time"][shown], truth["force"][shown], "o", ms=3, color=TRUE["color"],
@@ -174,8 +181,10 @@ def _draw_truth(
 
 
 def _largest_part(force: np.ndarray) -> slice:
-    """The middle nine tenths of its energy with as much again on both sides, or,
-    of one that goes on for most of the record, an eighth around its peak."""
+    """Returns the range with the middle 90 % of the force's energy, and as much on both
+    sides. If the force lasts for most of the record, returns an eighth of it around
+    the peak.
+    """
     size = len(force)
     energy = np.concatenate([[0.0], np.cumsum(force**2)[:-1]])
     total = np.sum(force**2)
@@ -190,10 +199,12 @@ def _largest_part(force: np.ndarray) -> slice:
 
 
 def loops(outcome: Any) -> "Figure | None":
-    """Forces of elements, libraries and networks over their deformation and,
-    where the law is not a mere spring, over its rate; of a long record the part
-    around the largest deformation. What is known of a force is beside it, as far
-    as the structure went."""
+    """Forces of elements, libraries and networks over their deformation, and over its
+    rate unless the law is a spring.
+
+    For a long record the figure shows only the part around the largest deformation.
+    Known forces are drawn over the deformation that has occurred.
+    """
     curves = [c for c in outcome.loops
               if len(c["force"]) > 1 and np.isfinite(c["force"]).all()]
     if not curves:

@@ -28,7 +28,7 @@ _WORDS = {"with_care": "usable with care", "not_usable": "not usable"}
 
 
 def text(value: Any) -> str:
-    """A value as tables show it: numbers with four digits."""
+    """Returns a value as tables show it. Numbers have four digits."""
     if isinstance(value, float):
         return f"{value:.4g}" if math.isfinite(value) else "-"
     return "-" if value is None else str(value)
@@ -43,7 +43,9 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
-    """Lines of a table in a terminal; the first column is to the left."""
+    """Returns the lines of a table in a terminal. The first column is aligned to the
+    left.
+    """
     cells = [list(header), *([text(v) for v in row] for row in rows)]
     if len(cells) == 1:
         return []
@@ -61,7 +63,7 @@ def sentences(title: str, texts: Iterable[str]) -> str:
 
 
 def badge(verdict: str) -> str:
-    """A verdict in its colour."""
+    """Returns a verdict in its colour."""
     words = _WORDS.get(verdict, verdict.replace("_", " "))
     return f'<p><span class="verdict {escape(verdict)}">{escape(words)}</span></p>'
 

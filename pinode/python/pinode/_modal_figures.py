@@ -1,5 +1,4 @@
-"""Figures of identified modes beside the stabilisation diagram: MAC, and frequency
-domain decomposition."""
+"""Further figures of identified modes: MAC, and frequency domain decomposition."""
 
 from __future__ import annotations
 
@@ -15,7 +14,9 @@ if TYPE_CHECKING:
 
 
 def mac(found: Any, other: Any = None) -> "Figure | None":
-    """MAC of each mode with each, or with those of another set at the same places."""
+    """MAC of each mode with each other, or with those of another set at the same
+    places.
+    """
     columns = found if other is None else other
     values = found.mac(other)
     if values.size == 0:
@@ -37,8 +38,9 @@ def mac(found: Any, other: Any = None) -> "Figure | None":
 
 
 def fdd(found: Any, record: str | None = None) -> "Figure | None":
-    """Frequency domain decomposition: singular values of the spectra of all channels
-    of a record, the first unless named, and where the modes are."""
+    """Frequency domain decomposition: singular values of the spectra of all channels of
+    a record, and the identified modes. Default: the first record.
+    """
     if record is None:
         record = next(iter(found.spectra), None)
     if record not in found.spectra:

@@ -1,4 +1,4 @@
-"""Shapes of a model's modes before and after a fit."""
+"""Mode shapes of the initial and the updated model."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ SECONDS = {"s": 1.0, "ms": 1e3, "us": 1e6}
 
 
 class ShapePair(NamedTuple):
-    """A mode before and after: its number from 1, frequencies (Hz), shapes over
-    the DOFs, the largest entry of each 1, the first turned to be like the other."""
+    """A mode of the initial and the updated model: number from 1, frequencies (Hz), and
+    shapes over the DOFs.
+
+    The largest entry of each shape is 1. The sign of the first agrees with that of
+    the other.
+    """
 
     number: int
     initial_hz: float
@@ -22,11 +26,11 @@ class ShapePair(NamedTuple):
 
 
 def shape_pairs(outcome: Any, most: int) -> tuple[list[str], list[ShapePair]]:
-    """The DOFs, and the first modes in pairs as result.json has them.
+    """Returns the DOFs, and the first modes in the pairs of result.json.
 
-    The result has the matrices that were found, not their shapes: these are
-    solved for here. Modes at 0 Hz, any mixture of which is one, and those whose
-    frequency is not found again are left out.
+    The result has the identified matrices but no shapes, which are computed here.
+    Modes at 0 Hz are left out, because any combination of them is a mode. Modes whose
+    frequency is not found again are left out too.
     """
     rows = [row for row in outcome.modes if row["initial_hz"] and row["updated_hz"]]
     if not rows:
@@ -48,7 +52,7 @@ def shape_pairs(outcome: Any, most: int) -> tuple[list[str], list[ShapePair]]:
         same = np.flatnonzero(np.isclose(hz, row["updated_hz"], rtol=1e-6))
         if len(same) == 0 or not np.isfinite(initial).all():
             continue
-        # Of several at one frequency the likest.
+        # Takes the most similar one of several at one frequency.
         updated = max((shapes[:, i] for i in same), key=lambda s: _mac(initial, s))
         updated = updated / np.abs(updated).max()
         initial = initial / np.abs(initial).max() * (-1.0 if initial @ updated < 0 else 1.0)
@@ -61,8 +65,9 @@ def shape_pairs(outcome: Any, most: int) -> tuple[list[str], list[ShapePair]]:
 
 
 def _modes(mass: np.ndarray, stiffness: np.ndarray) -> Any:
-    """Frequencies (cycles per model time) and shapes, by columns; None where the
-    mass is not positive."""
+    """Returns frequencies (cycles per unit of the model's time) and shapes, by columns.
+    None if the mass is not positive.
+    """
     try:
         root = np.linalg.inv(np.linalg.cholesky(mass))
     except np.linalg.LinAlgError:

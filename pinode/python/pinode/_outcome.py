@@ -1,4 +1,4 @@
-"""The common part of all results of a fit."""
+"""Common part of all results of a fit."""
 
 from __future__ import annotations
 
@@ -27,12 +27,14 @@ if TYPE_CHECKING:
 
 
 class Parameter(NamedTuple):
-    """A named parameter: in the model's units, with its 95 % interval.
+    """A named parameter in the model's units, with its 95 % interval.
 
-    sigma is infinite, and the interval without ends, where the data do not say;
-    both are NaN or infinite of fixed ones. Where the model lacks something (verdict
-    "with_care"), the interval reaches as far as other explanations do, and
-    half_width95 is that of the interval that presumes that it lacks nothing.
+    sigma and the interval are infinite if the data do not determine the parameter.
+    They are NaN or infinite for a fixed parameter.
+
+    If the model is incomplete (verdict "with_care"), lower95 and upper95 include the
+    values under other explanations. half_width95 is that of the interval that assumes
+    a complete model.
     """
 
     name: str
@@ -48,7 +50,7 @@ class Parameter(NamedTuple):
 
 
 class Outcome:
-    """The common part of fits, verdicts and equations: a fit."""
+    """Common part of fits, damage analyses and discoveries: a fit."""
 
     def __init__(self, handle: Any) -> None:
         self._handle = handle
@@ -56,68 +58,80 @@ class Outcome:
 
     @property
     def usable(self) -> bool:
-        """Whether the result may be used; `message` says why not."""
+        """True if the result may be used. If not, `message` has the reason."""
         return self._handle.usable
 
     @property
     def verdict(self) -> str:
-        """Verdict on the fit: "good", "with_care" or "not_usable"."""
+        """Grade of the fit: "good", "with_care" or "not_usable"."""
         return self._handle.verdict
 
     @property
     def sentence(self) -> str:
-        """The verdict in words, with its reason."""
+        """Grade of the fit in words, with the reason."""
         return self._handle.sentence
 
     @property
     def findings(self) -> list[dict[str, Any]]:
-        """Failed checks, each with `check`, `what`, `grade`, `number`, `limit` and
-        `advice`; the verdict follows from them. Empty: the result is good."""
+        """Failed checks, from which the verdict follows. Empty: the result is good.
+
+        Each has `check`, `what`, `grade`, `number`, `limit` and `advice`.
+        """
         return self._handle.findings
 
     @property
     def explanations(self) -> list[dict[str, Any]]:
-        """What the model may lack, best first: unknowns that it does not have, with
-        which it was fitted again. Each has `what`, `kind`, `place`, `log_odds`
-        (natural logarithm, against the model as it is), `probability` among all that
-        were tried, `values` of the named parameters under it, `value` with `lower95` and
-        `upper95`, `removes` (a share of the squared error), `leaves` (unexplained motion
-        under it, a fraction), and the named parameter that it moves most, `moved`, by
-        `shift` half-widths of its interval."""
+        """Explanations of unexplained motion, best first: further unknowns with which
+        the model was fitted again.
+
+        Each is a dictionary:
+
+        what, kind, place: description, kind for programs, and DOF, group or sensor.
+        log_odds: natural logarithm of the odds relative to the present model.
+        probability: probability among all explanations that were tried.
+        value, lower95, upper95: the unknown with its 95 % interval.
+        values: values of the named parameters under the explanation.
+        removes: fraction of the squared error that it removes.
+        leaves: remaining unexplained motion, as a fraction of the motion.
+        moved, shift: parameter that changes most, and its change in half widths of
+            its interval.
+        """
         return self._handle.explanations
 
     @property
     def message(self) -> str:
-        """What came of the fit, in a sentence."""
+        """Result of the fit in a sentence."""
         return self._handle.message
 
     @property
     def termination(self) -> str:
-        """"converged", "no_convergence", "interrupted" or "failure"."""
+        """Reason for the end of the fit: "converged", "no_convergence", "interrupted"
+        or "failure".
+        """
         return self._handle.termination
 
     @property
     def remarks(self) -> list[str]:
-        """What one should know of data and outcome, a sentence each."""
+        """Remarks on data and result, one sentence each."""
         return self._handle.remarks + self._handle.troubles
 
     @property
     def seconds(self) -> float:
-        """How long it took, on the clock."""
+        """Duration of the fit in seconds."""
         return self._handle.seconds
 
     @property
     def case(self) -> Case:
-        """The case as it was fitted: without terms that were left out."""
+        """Case as it was fitted, without terms that were left out."""
         return Case._of(self._handle.case())
 
     @property
     def parameters(self) -> dict[str, Parameter]:
-        """Named parameters as they were found."""
+        """Named parameters with their identified values."""
         return {p["name"]: Parameter(**p) for p in self._handle.parameters()}
 
     def __getitem__(self, name: str) -> float:
-        """The value of a named parameter."""
+        """Returns the value of a named parameter, in its unit."""
         try:
             return self.parameters[name].value
         except KeyError:
@@ -128,16 +142,20 @@ class Outcome:
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of the free named parameters, in the order of covariance_names."""
+        """Covariance of the free named parameters, square, in the order of
+        covariance_names.
+        """
         return self._handle.covariance
 
     @property
     def covariance_names(self) -> list[str]:
-        """Of the rows and columns of `covariance`."""
+        """Names of the rows and columns of `covariance`."""
         return self._handle.covariance_names
 
     def record(self, name: str | None = None) -> RecordResult:
-        """A record of the case, the first unless it is named."""
+        """Returns a record of the case with its prediction. Default: the first
+        record.
+        """
         if name is None:
             records = self.json["records"]
             if not records:
@@ -147,8 +165,11 @@ class Outcome:
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:
-        """Scores of the free runs by record: role, nrmse, prior_nrmse,
-        channels."""
+        """Errors of the simulations by record: role, nrmse, prior_nrmse (initial
+        model), channels.
+
+        nrmse is |y - simulation| / |y - mean(y)|.
+        """
         return {r["name"]: r for r in self.json["records"]}
 
     @functools.cached_property
@@ -156,10 +177,12 @@ class Outcome:
         return self._handle.before()
 
     def before(self, record: str | None = None) -> dict[str, np.ndarray]:
-        """By channel the free run of the model before the fit, with which
-        prior_nrmse compares, in the units of the record's file. Of a record whose
-        start is free it begins where that model's run fits best. Empty where it
-        does not stay finite."""
+        """Returns the simulation of a record with the initial model, by channel.
+
+        It is the simulation of prior_nrmse, in the units of the record's file. If the
+        record's start is free, the simulation begins with the start that fits best.
+        Empty: it diverges.
+        """
         if record is None:
             record = next(iter(self.records), None)
             if record is None:
@@ -172,77 +195,91 @@ class Outcome:
 
     @property
     def modes(self) -> list[dict[str, Any]]:
-        """The model's modes before and after: initial_hz, updated_hz,
-        initial_damping, updated_damping, mac."""
+        """Modes of the initial and the updated model: initial_hz, updated_hz,
+        initial_damping, updated_damping (fractions of critical), mac.
+        """
         return self.json["modes"]
 
     @property
     def mass(self) -> np.ndarray:
-        """M with the groups as they were found, n x n."""
+        """Identified mass matrix M with its groups, n x n, in the model's units."""
         return self._handle.matrices()["mass"]
 
     @property
     def damping(self) -> np.ndarray:
-        """C likewise."""
+        """Identified damping matrix C with its groups, n x n, in the model's units."""
         return self._handle.matrices()["damping"]
 
     @property
     def stiffness(self) -> np.ndarray:
-        """K likewise."""
+        """Identified stiffness matrix K with its groups, n x n, in the model's units.
+        """
         return self._handle.matrices()["stiffness"]
 
     @property
     def forces(self) -> dict[str, dict[str, Any]]:
-        """Unknown forces by name: record, unit (of the force), time, force, lower95,
-        upper95; and `truth`, its time and force, where the case gives one."""
+        """Unknown forces by name: record, unit, time, force, lower95, upper95.
+
+        `truth` has the time and force of the true force, if the case gives one.
+        """
         return {f["name"]: f for f in self._handle.forces()}
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
-        """Profiles of the likelihood by parameter, where they were asked for."""
+        """Profiles of the likelihood by parameter, if they were requested."""
         return {p["name"]: p for p in self._handle.profiles()}
 
     @property
     def loops(self) -> list[dict[str, Any]]:
-        """What elements, libraries and networks did along the predicted states:
-        term, deformation, rate, force, time, with their units; and `known`, name,
-        deformation and force of a reference curve of the term."""
+        """Forces of elements, libraries and networks along the predicted states.
+
+        Each has term, deformation, rate, force and time, with their units. `known`
+        has name, deformation and force of the term's reference curve.
+        """
         return self._handle.loops()
 
     @property
     def ambient(self) -> dict[str, dict[str, Any]]:
-        """Of ambient records the spectral densities, measured and modelled
-        (channels x frequencies, unit of the channel squared per Hz; without the
-        response to measured loads), means of so many `lines`, and what part of
-        each channel is explained, by measured loads too where there are some."""
+        """Spectral densities of ambient records, measured and modelled.
+
+        They are channels x frequencies, in the unit of the channel squared per Hz,
+        without the response to measured loads. Measured values are means of `lines`
+        lines. Each channel has the fraction of its power that is explained, in all
+        and by measured loads.
+        """
         return {a["name"]: a for a in self._handle.ambient()}
 
     @property
     def history(self) -> dict[str, np.ndarray]:
-        """A row an iteration: stage, iteration, cost, accepted, gradient_norm,
-        largest_gap."""
+        """Iterations, one row each: stage, iteration, cost, accepted, gradient_norm,
+        largest_gap.
+        """
         return {k: np.array(v) for k, v in self._handle.history().items()}
 
     @property
     def json(self) -> dict[str, Any]:
-        """The content of result.json, "pinode-result-1"."""
+        """Content of result.json, "pinode-result-1"."""
         if self._json is None:
             self._json = json.loads(self._handle.json())
         return self._json
 
     def summary(self) -> str:
-        """The result on half a page: the verdict in words, parameters with their
-        95 % intervals, errors of the records. `report` says more."""
+        """Returns the result on half a page: verdict, parameters with 95 % intervals,
+        errors of the records. `report` is longer.
+        """
         lines = summary_lines(self.parameters.values(), self.records.values())
         return "\n".join([self.sentence, "", *lines])
 
     def predict(self, record: "str | Record | None" = None) -> RecordResult:
-        """The motion of the model as it was found: in a record of the case, the first
-        unless it is named, or in another Record, whose channels need no values.
+        """Simulates the identified model.
 
-        A record of the case is predicted from the start that was found. Another one
-        is simulated from its own `start`, with the gains and offsets that it gives;
-        its deviations are empty, since nothing says how noisy its sensors are.
+        record: name of a record of the case, or a new Record, whose channels need no
+            values. Default: the first record.
+
+        A record of the case begins with its identified initial state. A new record
+        begins with its own `start`, and has the gains and offsets that it gives. Its
+        deviations are empty, because the noise of its sensors is unknown. Returns a
+        RecordResult.
         """
         if isinstance(record, Mapping):
             return predicted(self, record)
@@ -251,9 +288,14 @@ class Outcome:
         return self.record(record)
 
     def plot(self, record: str | None = None) -> "Figure":
-        """The result in one figure: a record beside the model's free run, the first
-        hold-out unless it is named; where there is no record, the parameters.
-        `figures` has all that the report draws."""
+        """Returns the result as one figure: a record with the simulation of the model.
+
+        record: name of the record. Default: the first hold-out record, else the
+            first.
+
+        Without records the figure shows the parameters. `figures` has all figures of
+        the report.
+        """
         from . import figures
 
         if record is not None and not isinstance(record, str):
@@ -268,13 +310,14 @@ class Outcome:
         return drawn
 
     def report(self) -> str:
-        """Verdict and tables, as the programs print them."""
+        """Returns the verdict and the tables, as the programs print them."""
         return self._handle.report()
 
     def structure(self) -> "StructureView | None":
-        """The structure in 3-D, as in the report: what changed in colour, sensors
-        and forces where they are, modes moving. A notebook shows it. None: the
-        case has no `geometry`."""
+        """View of the structure in 3-D, as in the report: changes in colour, sensors,
+        forces and moving modes. A notebook shows it. None: the case has no
+        `geometry`.
+        """
         section = self._handle.structure()
         return StructureView(section) if section else None
 
@@ -287,25 +330,28 @@ class Outcome:
         mat: bool = False,
         deck: str | os.PathLike[str] = "",
     ) -> None:
-        """Writes a result folder as the programs do, with the report.
+        """Writes a result folder with the report, as the programs do.
 
-        mat: with results.mat, for MATLAB and Octave.
-        deck: the input deck of CalculiX or Abaqus that the matrices came from;
-            the folder has it as <name>_updated.inp, with what was found.
+        overwrite: True: an existing folder of results is replaced.
+        mat: True: also writes results.mat, for MATLAB and Octave.
+        deck: input deck of CalculiX or Abaqus from which the matrices come. The
+            folder then has <name>_updated.inp with the identified properties.
         """
         self._handle.save(as_path("folder", folder), overwrite, mat, as_path("deck", deck))
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
-        """A frame of pandas: "parameters", "history", "stages", "modes",
-        "mode_shapes", "forces", "loops", "profiles", "ambient"; of a verdict
-        "changes", of a discovery "equations" and "pareto"; or a record. See
-        frames.frame."""
+        """Returns a part of the result as a frame of pandas, see frames.frame.
+
+        what: "parameters", "history", "stages", "modes", "mode_shapes", "forces",
+            "loops", "profiles", "ambient"; "changes" of a damage analysis;
+            "equations" or "pareto" of a discovery; or the name of a record.
+        """
         from . import frames
 
         return frames.frame(self, what)
 
     def figures(self) -> "dict[str, Figure]":
-        """The figures of the report, drawn by matplotlib."""
+        """Returns the figures of the report by name, drawn by matplotlib."""
         from . import figures
 
         return figures.all_figures(self)

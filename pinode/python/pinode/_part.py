@@ -1,4 +1,4 @@
-"""A table of a case, and values as its keys take them."""
+"""Tables of a case, and conversion of values for their keys."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ class Part(dict):
 
 
 def as_matrix(value: Any) -> Any:
-    """Lists of numbers, or of rows of them, as an array, where they are one; columns
-    and frames of pandas too."""
+    """Returns lists of numbers, lists of rows, and columns and frames of pandas as an
+    array. Other values are unchanged.
+    """
     is_list = isinstance(value, (list, tuple))
     if not is_list and not hasattr(value, "to_numpy"):
         return value
@@ -56,7 +57,7 @@ def as_list(values: Any) -> Any:
 
 
 def as_sequence(name: str, values: Any) -> list[Any]:
-    """The values of an argument that is to be a list."""
+    """Checks that an argument is a list and returns its values."""
     if not isinstance(values, (str, bytes)) and hasattr(values, "__iter__"):
         try:
             return list(values)
@@ -66,21 +67,23 @@ def as_sequence(name: str, values: Any) -> list[Any]:
 
 
 def as_names(name: str, names: Any) -> Any:
-    """as_strings of what cannot be the name of a file."""
+    """Returns names as as_strings does, for arguments that cannot be the name of a
+    file.
+    """
     if isinstance(names, str):
         raise Error(f"{name} is the text '{names:.40}', expected a list of names")
     return as_strings(name, names)
 
 
 def as_mapping(name: str, values: Any) -> dict[str, Any]:
-    """The values of an argument that is to be a dictionary."""
+    """Checks that an argument is a dictionary and returns it."""
     if not isinstance(values, Mapping):
         raise Error(f"{name} is a value of type {type(values).__name__}, expected a dictionary")
     return dict(values)
 
 
 def as_strings(name: str, names: Any) -> Any:
-    """Names of NumPy as Python's own; whole numbers are names too."""
+    """Returns NumPy's texts as Python's own. Whole numbers are names too."""
     if names is None or isinstance(names, str):
         return names
     return [str(n) if isinstance(n, (np.str_, int, np.integer)) and not isinstance(n, bool) else n
@@ -88,14 +91,14 @@ def as_strings(name: str, names: Any) -> Any:
 
 
 def as_text(name: str, value: Any) -> str:
-    """The value of an argument that is to be a text."""
+    """Checks that an argument is a text and returns it."""
     if not isinstance(value, str):
         raise Error(f"{name} is a value of type {type(value).__name__}, expected a text")
     return value
 
 
 def as_number(name: str, value: Any) -> float:
-    """The value of an argument that is to be a number."""
+    """Checks that an argument is a number and returns it."""
     if not isinstance(value, numbers.Real) or isinstance(value, bool):
         raise Error(f"{name} is a value of type {type(value).__name__}, expected a number")
     try:
@@ -105,7 +108,7 @@ def as_number(name: str, value: Any) -> float:
 
 
 def as_flag(name: str, value: Any) -> bool:
-    """The value of an argument that is to be True or False."""
+    """Checks that an argument is True or False and returns it."""
     is_one = isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1))
     if not is_one:
         raise Error(f"{name} is a value of type {type(value).__name__}, expected True or False")
@@ -113,7 +116,7 @@ def as_flag(name: str, value: Any) -> bool:
 
 
 def as_path(name: str, path: Any) -> str:
-    """The text of an argument that is to be a path."""
+    """Checks that an argument is a path and returns its text."""
     try:
         text = os.fspath(path)
     except TypeError:
@@ -129,14 +132,14 @@ def as_path(name: str, path: Any) -> str:
 
 
 def as_watcher(progress: Any, callback: Any) -> tuple[Any, Any]:
-    """The arguments `progress` and `callback` of a fit."""
+    """Checks the arguments `progress` and `callback` of a fit."""
     if callback is not None and not callable(callback):
         raise Error(f"callback is a value of type {type(callback).__name__}, expected a function")
     return None if progress is None else as_flag("progress", progress), callback
 
 
 def as_folder(output: Any, mat: bool = False) -> str:
-    """The folder `output` of results; "": none is written."""
+    """Returns the folder `output` of results. "": nothing is written."""
     path = as_path("output", output)
     if as_flag("mat", mat) and not path:
         raise Error(

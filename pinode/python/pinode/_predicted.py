@@ -1,4 +1,4 @@
-"""A record beside what a model predicts for it."""
+"""Records with the predictions of a model."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from .measurements import Record
 
 
 class RecordResult(NamedTuple):
-    """A record beside what the model predicts for it, in a free run.
+    """A record with the simulation of the model.
 
-    time (s, or the unit of the record's file), and by channel the measured
-    values, the predicted ones and the standard deviation of what the sensor
-    reads about these (empty where it is not known), in `units`, those of the
-    record's file. states: [x; v; z] of the model in its units, states x
-    samples; start: the first of them.
+    time: times, in the unit of the record's file.
+    measured, predicted: values by channel, in `units`.
+    deviation: standard deviations of measured values from the predicted ones, by
+        channel. Empty: unknown.
+    units: units of the channels, those of the record's file.
+    states: [x; v; z] of the model, states x samples, in the model's units.
+    start: the first column of `states`.
     """
 
     time: np.ndarray
@@ -36,7 +38,9 @@ class RecordResult(NamedTuple):
 
 
 def predicted(outcome: Any, record: Mapping[str, Any]) -> RecordResult:
-    """A record that need not be of the case, as the model of a fit predicts it."""
+    """Predicts a record with the model of a fit. The record need not belong to the
+    case.
+    """
     if not isinstance(record, Record):
         raise Error(f"record is a value of type {type(record).__name__}, expected a name or a "
                     "pinode.Record")
@@ -64,7 +68,7 @@ def predicted(outcome: Any, record: Mapping[str, Any]) -> RecordResult:
 
 
 def _for_simulation(tree: dict[str, Any], record: Record) -> dict[str, Any]:
-    """A case of the model and this record alone, without what was measured."""
+    """Returns a case of the model and this record alone, without measured values."""
     kept = ("title", "units", "model", "group", "element", "library", "network", "options")
     channels = [{key: value for key, value in channel.items() if key not in ("column", "file")}
                 for channel in record["channel"]]
@@ -73,7 +77,7 @@ def _for_simulation(tree: dict[str, Any], record: Record) -> dict[str, Any]:
 
 
 def _measured(record: Record) -> dict[str, np.ndarray]:
-    """Values of the channels that have some in memory."""
+    """Returns the values in memory of the channels that have some."""
     table = record.get("file")
     if not isinstance(table, Mapping):
         return {}

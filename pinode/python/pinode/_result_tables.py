@@ -1,4 +1,4 @@
-"""What notebooks show of results, in memory and on disk."""
+"""Tables of results for notebooks, in memory and on disk."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def change_row(group: Mapping[str, Any]) -> list[Any]:
 
 
 def summary_lines(parameters: Iterable[Any], records: Iterable[Any]) -> list[str]:
-    """Parameters and scores of records as a terminal shows them."""
+    """Returns parameters and errors of records as lines for a terminal."""
     found = _html.plain_table(
         ["parameter", "before", "value", "from", "to (95 %)", "unit"],
         [[p.name, p.initial, p.value, p.lower95, p.upper95, p.unit] for p in parameters],
@@ -33,7 +33,7 @@ def _percent(share: Any) -> Any:
 
 
 def tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
-    """Parameters and scores of records as notebooks show them."""
+    """Returns parameters and errors of records as tables for notebooks."""
     keys = ("name", "initial", "value", "lower95", "upper95", "unit")
     scores = ("name", "role", "nrmse", "prior_nrmse")
     return _html.table(

@@ -1,4 +1,4 @@
-"""One call for the simple case: matrices and arrays in, a fit out."""
+"""One call for the simple case: from matrices and arrays to a fit."""
 
 from __future__ import annotations
 
@@ -71,29 +71,41 @@ def identify(
     progress: bool | None = None,
     callback: Progress | None = None,
 ) -> "Fit":
-    """Stiffness of a structure from one record, in one call.
+    """Identifies the stiffness of a structure from one record. Returns a Fit.
 
         fit = pinode.identify(M, K, floors, ground=ag, fs=100)
         print(fit.sentence, fit["k_ground_u1"])
 
-    mass, stiffness: n x n, in consistent units (N, m, s unless `units` says otherwise).
-    response: samples x channels, one a DOF, or `at` the DOFs that are named.
-    ground: acceleration of the ground, one number a sample; or {direction: values}.
-    force: {dof: values}. One of ground and force is needed, unless `start` is "free":
-        a free decay.
-    step, fs, sampling_rate_hz, time: seconds between samples, samples a second, or
-        times; one of them is needed.
-    groups: what may have changed, {name: matrix} or a list of Group. A value of -0.1
-        says that the structure has nine tenths of that matrix. Unless given, each
-        spring between two DOFs, or a DOF and the ground, is one: "k_ground_u1",
+    mass, stiffness: n x n, in consistent units. These are N, m and s unless `units`
+        is given.
+    response: measured response, samples x channels, one channel per DOF, or per DOF
+        of `at`.
+    ground: acceleration of the ground, one value per sample, or {direction: values}.
+    force: {dof: values}. One of ground and force is required, unless `start` is
+        "free": the record is then a free decay.
+    step: seconds between samples; or fs or sampling_rate_hz: samples per second; or
+        time: times in seconds. One of them is required.
+    groups: {name: matrix} or a list of Group: parts of the stiffness that may differ
+        from the model. A value of -0.1 is a loss of 10 %. Default: each spring
+        between two DOFs, or a DOF and the ground, is a group: "k_ground_u1",
         "k_u1_u2", ...
-    damping: a ratio for all modes, 0.02 unless given, from which the search begins: a
-        common factor is found, "damping". A matrix, or a dictionary as for Model, is
-        kept as it is.
-    quantity: of the response, as for Channel. sigma: of its noise; estimated unless given.
-    interpolation: of ground and force between samples.
+    damping: ratio of all modes as a fraction of critical; the fit finds a common
+        factor of it, "damping". Default: 0.02. A matrix, or a dictionary as for
+        Model, stays fixed.
+    quantity: quantity of the response, see Channel.
+    dofs: names of the DOFs. Default: u1, u2, ...
+    at: DOFs of the channels. Default: all in order.
+    interpolation: interpolation of ground and force between samples, see Record.
+    start: initial state, see Record.
+    sigma: standard deviation of the response's noise. Default: it is estimated.
+    units: units of the model, see Case.
+    options: options of the fit, see Case.
+    progress, callback: see Case.identify.
 
-    `fit.case` is the Case that was made, for all that has more keys.
+    `fit.case` is the Case that was made. Use it if you need further keys.
+
+    Raises pinode.Error, which names the argument, if a shape, a unit or a value is
+    wrong.
     """
     columns = _response(response)
     if ground is None and force is None and start == "rest":
@@ -131,7 +143,7 @@ def identify(
 
 
 def _response(response: Any) -> np.ndarray:
-    """Samples x channels."""
+    """Returns the response as an array, samples x channels."""
     try:
         columns = as_array(response)
     except (TypeError, ValueError):
@@ -150,7 +162,9 @@ def _response(response: Any) -> np.ndarray:
 
 
 def _places(response: Any, count: int, names: list[str]) -> list[str]:
-    """DOFs of the channels: those that the columns of a frame name, or all in order."""
+    """Returns the DOFs of the channels: those that the columns of a frame name, or all
+    in order.
+    """
     if is_frame(response) and all(name in names for name in response.columns):
         return list(response.columns)
     if count != len(names):
@@ -170,8 +184,11 @@ def _groups(given: Any, stiffness: np.ndarray, names: list[str]) -> list[Any]:
 
 
 def _springs(stiffness: np.ndarray, names: list[str]) -> list[Any]:
-    """The springs that a stiffness consists of: between DOFs i and j one of -K_ij, from
-    DOF i to the ground the sum of row i."""
+    """Returns the springs that a stiffness matrix consists of.
+
+    The spring between DOFs i and j has -K_ij. The spring from DOF i to the ground has
+    the sum of row i.
+    """
     size = len(names)
     rounding = _ROUNDING * float(np.abs(stiffness).max(initial=0.0))
     springs: list[tuple[str, int, int, float]] = []

@@ -1,7 +1,7 @@
-"""Sentences of the library in the words of Python.
+"""Sentences of the library in Python's terms.
 
-The library reads a case as a file has it, and its sentences name tables and keys of
-files. Of a case from parts they are to name these.
+The library reads a case as from a file, and its sentences name tables and keys of
+files. For a case made of parts they name the parts and arguments.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ _LISTS = "|".join(_PLURALS)
 
 
 def in_python(sentence: str) -> str:
-    """`sentence` with the names of parts and arguments in place of tables and keys."""
+    """Returns `sentence` with the names of parts and arguments in place of tables and
+    keys.
+    """
     sentence = re.sub(r"\[\[(\w+)\.(\w+)\]\] (\d+)", _place, sentence)
     sentence = re.sub(r"\[\[(\w+)\]\] (\d+)", _place, sentence)
     sentence = re.sub(r"\[\[(?:\w+\.)?(\w+)\]\]",
@@ -39,21 +41,22 @@ def in_python(sentence: str) -> str:
 
 
 def _place(match: "re.Match[str]") -> str:
-    """Entry of a list, from 0."""
+    """Returns the index of a list's entry, from 0."""
     name = match[match.lastindex - 1]  # type: ignore[operator]
     return f"{_PLURALS.get(name, name)}[{int(match[match.lastindex]) - 1}]"  # type: ignore[index]
 
 
 def _path(match: "re.Match[str]") -> str:
-    """A path into the tree of a case."""
+    """Returns a path into the tree of a case."""
     rest = re.sub(r"\bchannel\[", "channels[", match[3])
     rest = "" if rest == "file" else rest
     return f"{_PLURALS[match[1]]}[{match[2]}]" + (f".{rest}" if rest else "")
 
 
 def speaks_python(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A decorator for methods of a Case; of one from a file the words stay those of
-    the file."""
+    """Decorates methods of a Case. Sentences about a case from a file keep the terms of
+    files.
+    """
 
     @functools.wraps(method)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:

@@ -1,5 +1,5 @@
-"""Models from CalculiX: a deck, the matrices that `ccx` exports from it, and a
-group for each element set.
+"""Models from CalculiX: matrices that `ccx` exports from a deck, and a group for each
+element set.
 
     export = pinode.calculix.export("frame.inp", ["columns_1", "brace_1"])
     case = pinode.Case(
@@ -8,9 +8,10 @@ group for each element set.
         groups=export.groups, geometry=export.geometry, records=[...])
     case.identify().save("found", deck="frame.inp")
 
-Of each set the modulus is multiplied by a factor and the stiffness exported
-again; alpha = -0.1 of its group then means a tenth of the modulus lost. With the
-geometry the structure can be drawn, and what was found goes back into the deck.
+For each set, the modulus is multiplied by a factor and the stiffness is exported
+again. alpha = -0.1 of the set's group then is a loss of 10 % of the modulus. With the
+geometry pinode can draw the structure. `save` writes the identified properties into
+the deck.
 """
 
 from __future__ import annotations
@@ -29,12 +30,13 @@ from .parts import FiniteElementModel, Group
 
 
 class Export(NamedTuple):
-    """Matrices of a deck in `folder`: `mass`, `stiffness` (files), and a group
-    for each set that was changed. All paths are whole ones.
+    """Exported matrices of a deck, and a group for each set that was changed.
 
-    geometry: that of a Case with these groups: where the deck is, and the element
-        sets of groups that are not called like them. A case with some of the
-        groups takes geometry_of(these).
+    folder: absolute path of the exported files.
+    mass, stiffness: absolute paths of the matrices' files.
+    groups: list of the groups.
+    geometry: `geometry` of a Case with all these groups: the deck, and the element
+        sets of groups with other names. For some of the groups use geometry_of.
     """
 
     folder: Path
@@ -44,12 +46,13 @@ class Export(NamedTuple):
     geometry: dict[str, Any]
 
     def model(self, **keys: Any) -> FiniteElementModel:
-        """The model of these files; keys as for FiniteElementModel, such as
-        `reduction` and `damping`."""
+        """Returns the model of these files. `keys` are those of FiniteElementModel,
+        such as `reduction` and `damping`.
+        """
         return FiniteElementModel(str(self.mass), str(self.stiffness), **keys)
 
     def geometry_of(self, groups: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-        """`geometry` of a Case with these groups alone."""
+        """Returns the `geometry` of a Case with these groups only."""
         names = {group["name"] for group in groups}
         sets = {name: s for name, s in self.geometry["groups"].items() if name in names}
         return {**self.geometry, "groups": sets}
@@ -75,16 +78,22 @@ def export(
     ccx: str = "ccx",
     threads: int = 1,
 ) -> Export:
-    """Exports the model of a deck, and of it with one set changed at a time.
+    """Exports the matrices of a deck, and again with one set changed at a time.
 
-    sets: element sets of a section or of springs, whose stiffness becomes a
-        group of that name.
-    masses: element sets of a section, whose density becomes a group called
-        "mass_<set>", or of *MASS.
-    folder: where the files stay; beside the deck, "<deck>_export", unless given.
+    deck: path of the input deck.
+    sets: element sets of a section or of springs. The stiffness of each becomes a
+        group with its name.
+    masses: element sets of a section, or of *MASS. The mass of each becomes a group
+        named "mass_<set>".
+    factor: factor of the modulus or the density in the changed exports.
+    folder: folder of the exported files. Default: "<deck>_export" beside the deck.
+    ccx: command of CalculiX.
+    threads: number of exports at a time.
 
-    Steps of the deck are left out, but for the supports of the first. Raises
-    pinode.Error where the deck or `ccx` do not do.
+    Steps of the deck are left out, except the supports of the first step. Returns an
+    Export.
+
+    Raises pinode.Error if the deck has no such set, or if `ccx` is missing or fails.
     """
     deck = Path(as_path("deck", deck)).absolute()
     sets = [as_text("a set", name) for name in as_sequence("sets", sets)]
@@ -141,13 +150,13 @@ def _export_all(
 
 
 def element_sets(deck: str | os.PathLike[str]) -> list[str]:
-    """The sets of a deck that `export` can change."""
+    """Returns the names of the element sets of a deck that `export` can change."""
     cards = _model_of(_read(Path(as_path("deck", deck))))
     return _sets_of(cards, "*SPRING", "*MASS")
 
 
 def _sets_of(cards: list[_Card], *kinds: str) -> list[str]:
-    """Element sets of sections and of other cards of these kinds."""
+    """Returns the element sets of sections and of other cards of these kinds."""
     return list(dict.fromkeys(
         card.options["ELSET"] for card in cards
         if (card.name.endswith(" SECTION") or card.name in kinds) and "ELSET" in card.options))
@@ -160,8 +169,9 @@ def _read(path: Path) -> list[_Card]:
 
 
 def _read_into(cards: list[_Card], path: Path, main: Path, depth: int) -> None:
-    """Adds the cards of a file; one that is included may go on with the data of the
-    card before it."""
+    """Adds the cards of a file. An included file may continue the data of the card
+    before it.
+    """
     try:
         lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
     except OSError as failure:
@@ -195,7 +205,7 @@ def _read_into(cards: list[_Card], path: Path, main: Path, depth: int) -> None:
 
 
 def _model_of(cards: list[_Card]) -> list[_Card]:
-    """Without steps, but for the supports in the first."""
+    """Returns the cards without steps, except the supports of the first step."""
     model, step = [], 0
     inside = False
     for card in cards:
@@ -211,14 +221,17 @@ def _model_of(cards: list[_Card]) -> list[_Card]:
 def _changed(
     cards: list[_Card], name: str, factor: float, deck: Path, what: str = "*ELASTIC"
 ) -> list[_Card]:
-    """The model with the set's modulus, spring constant or density times
-    `factor`; a material that other sets share is copied for it."""
+    """Returns the model with the set's modulus, spring constant or density times
+    `factor`.
+
+    A material that other sets share is copied for the set.
+    """
     wanted = str(name).upper()
 
     def is_of(card: _Card) -> bool:
         return card.options.get("ELSET", "").upper() == wanted
 
-    # What has a number of its own, beside sections and their materials.
+    # Cards with a number of their own, besides sections and their materials.
     kind = "*SPRING" if what == "*ELASTIC" else "*MASS"
     own = [i for i, card in enumerate(cards) if card.name == kind and is_of(card)]
     if own:
@@ -281,7 +294,7 @@ _OF_MATERIALS = {
 
 
 def _scaled(line: str, factor: float, deck: Path) -> str:
-    """The line with its first number times `factor`."""
+    """Returns the line with its first number times `factor`."""
     words = line.split(",")
     try:
         words[0] = repr(float(words[0].upper().replace("D", "E")) * factor)

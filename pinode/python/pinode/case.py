@@ -1,4 +1,4 @@
-"""Cases: a model with its unknowns, and what was measured of it."""
+"""Cases: a model with its unknowns, and the measurements."""
 
 from __future__ import annotations
 
@@ -29,22 +29,26 @@ _KEYWORDS = ("title", "units", "options", *KEYS, *_TABLES)
 
 
 class Case:
-    """What is to be identified from what.
+    """A case: a model with its unknowns, and the measurements.
 
-    Everything is checked when a case is made: sizes, units, names, numbers, and
-    the integration steps. A model alone is a case, of which `modes` and `check`
-    can be asked; one whose channels have no values can be simulated.
+    A new case is checked: sizes, units, names, numbers and integration steps. A model
+    without records has `natural_modes` and `check`. A case whose channels have no
+    values can be simulated.
 
     model: a Model, ShearBuilding or FiniteElementModel.
-    groups, elements, libraries, networks, unknown_forces: its unknowns.
-    records, modes: what was measured.
-    units: {"force": "kN", "length": "mm"}; N, m and s unless given.
-    options: of the fit, as [options] of a case file.
-    reference_curves: known force curves, {"term": "damper", "deformation": values,
-        "force": values}, drawn beside what is found.
-    Further tables of a case file (`modal`, `damage`, `profiles`, `discover`,
-        `simulate`, `plan`, `geometry`) by name. To plan sensors records need no
-        channels.
+    groups, elements, libraries, networks, unknown_forces: lists of the unknowns.
+    records, modes: lists of the measurements.
+    title: a text for reports.
+    units: units of the model, such as {"force": "kN", "length": "mm"}. Default: N, m,
+        s.
+    options: options of the fit, with the keys of [options] in a case file.
+    reference_curves: known force curves that figures show for comparison, such as
+        {"term": "damper", "deformation": values, "force": values}.
+    tables: further tables of a case file by name: `modal`, `damage`, `profiles`,
+        `discover`, `simulate`, `plan`, `geometry`.
+
+    Raises pinode.Error with a sentence if a part is not valid or does not fit the
+    others, and pinode.KeywordError for an unknown keyword.
     """
 
     @speaks_python
@@ -100,11 +104,13 @@ class Case:
         simulation: bool = False,
         planning: bool = False,
     ) -> "Case":
-        """The case of a file.
+        """Reads a case file and the files that it names.
 
-        simulation: its responses are not read. planning: neither are they, and
-        records need no channels, as for `pinode_check --plan`; a case with a record
-        without channels is read so by itself.
+        simulation: True: measured responses are not read, as for `pinode_simulate`.
+        planning: True: records also need no channels, as for `pinode_check --plan`.
+            This is the default if a record has no channels.
+
+        Raises pinode.Error, which names the line of the file.
         """
         for name, value in (("simulation", simulation), ("planning", planning)):
             as_flag(name, value)
@@ -113,22 +119,23 @@ class Case:
 
     @classmethod
     def from_dict(cls, tree: Mapping[str, Any], *, path: str = "") -> "Case":
-        """The case of the tables of a case file, with arrays in place of files.
+        """Makes a case from the tables of a case file, with arrays in place of files.
 
-        path: where it would stand, for messages and relative paths.
+        path: path of the case for messages and for relative paths.
         """
         tree = as_mapping("tree", tree)
         return cls._of(_pinode.CaseHandle.from_tree(tree, path, purpose_of(tree)))
 
     def replace(self, **parts: Any) -> "Case":
-        """The same case with other parts, such as the records of another day."""
+        """Returns the same case with other parts, such as the records of another day.
+        """
         if self._parts is None:
             tree = self._handle.tree()
             check_parts(parts)
             other = tables_of(parts)
             tree.update(other)
             purpose = purpose_of(tree)
-            # What it was read for, its tables do not say.
+            # The tables do not state the purpose for which the case was read.
             if "record" not in other and purpose != "planning":
                 purpose = self._handle.purpose.replace("fit", "check")
             return Case._of(_pinode.CaseHandle.from_tree(tree, self.path, purpose))
@@ -137,16 +144,16 @@ class Case:
                 raise unknown_keyword("Case.replace", name, _KEYWORDS)
         return Case(**{**self._parts, **parts})
 
-    # What it is.
+    # Contents of the case.
 
     @property
     def path(self) -> str:
-        """Of its file; empty: from memory."""
+        """Path of the case file. Empty: the case is from memory."""
         return self._handle.path
 
     @property
     def title(self) -> str:
-        """As its file or its maker says; empty: nobody has."""
+        """Title of the case. Empty: none was given."""
         return self._handle.title
 
     @property
@@ -156,51 +163,58 @@ class Case:
 
     @property
     def mass(self) -> np.ndarray:
-        """M, n x n, in the model's units."""
+        """Mass matrix M, n x n, in the model's units."""
         return self._handle.mass
 
     @property
     def damping(self) -> np.ndarray:
-        """C, n x n."""
+        """Damping matrix C, n x n, in the model's units."""
         return self._handle.damping
 
     @property
     def stiffness(self) -> np.ndarray:
-        """K, n x n."""
+        """Stiffness matrix K, n x n, in the model's units."""
         return self._handle.stiffness
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Named parameters with their values before a fit, units and bounds."""
+        """Named parameters with their initial values, units and bounds."""
         return {p["name"]: p for p in self._handle.parameters()}
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:
-        """Of each record its role, samples, step (s) and channels."""
+        """Records: role, number of samples, step (s) and channels of each."""
         return {r["name"]: r for r in self._handle.records()}
 
     def measured(self, record: str) -> dict[str, np.ndarray]:
-        """The record's `time` and channels as they are fitted: cut, resampled
-        and filtered as the case asks for, in the units of their file."""
+        """Returns `time` and the channels of a record as the fit uses them.
+
+        They are cut, resampled and filtered as the case requires. Each is an array
+        with one value per sample, in the units of the record's file.
+        """
         return self._handle.measured(record)
 
     def natural_modes(self) -> dict[str, Any]:
-        """Modes of the model as it is, ascending.
+        """Modes of the initial model, ascending by frequency.
 
-        frequencies_hz: undamped, NaN where the stiffness is negative.
+        frequencies_hz: without damping, in Hz; NaN for negative stiffness.
         damping_ratios: fractions of critical.
-        shapes: n x modes, mass-normalised; dofs: of their rows.
+        shapes: n x modes, mass-normalised.
+        dofs: names of the rows of `shapes`.
         """
         return self._handle.modes()
 
     def full_matrices(self) -> dict[str, Any]:
-        """Of a case with a finite-element model the matrices of all DOFs of the
-        export, as SciPy's csc_array, where `mass` and the others are those of
-        the coordinates to which it is reduced.
+        """Matrices of a finite-element model over all its DOFs, as SciPy's csc_array.
 
-        dofs: names of the rows; mass, damping, stiffness: n x n in the model's
-        units; groups: {name: matrix}. None where one is known for the
-        coordinates alone.
+        `mass`, `damping` and `stiffness` of the case are over the coordinates of the
+        reduction; these are over all n DOFs of the export.
+
+        dofs: names of the rows.
+        mass, damping, stiffness: n x n, in the model's units.
+        groups: {name: matrix}, n x n.
+
+        A matrix is None if it is known only over the coordinates.
         """
         matrices = self._handle.full_matrices()
         from scipy.sparse import csc_array
@@ -218,19 +232,24 @@ class Case:
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """The tables of the case as a file has them, with arrays."""
+        """Returns the tables of a case file, with arrays in place of files."""
         return self._handle.tree()
 
     def to_toml(self) -> str:
-        """The text of a case file; arrays go by names in <...>."""
+        """Returns the text of a case file. Arrays are replaced by their names in
+        <...>.
+        """
         return self._handle.toml()
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Writes case.toml, and files for its arrays, to `folder`. Files that it names
-        stay where they are and are named as seen from there."""
+        """Writes case.toml, and files for its arrays, to `folder`.
+
+        Files that the case names stay at their place. Their paths are then relative
+        to `folder`.
+        """
         self._handle.save(as_path("folder", folder))
 
-    # What can be done with it.
+    # Actions.
 
     @speaks_python
     @takes()
@@ -241,14 +260,21 @@ class Case:
         overwrite: bool = False,
         mat: bool = False,
     ) -> "Check":
-        """What an identification could find, without one: a dictionary.
+        """Predicts the result of an identification, without a fit. Returns a
+        dictionary.
 
-        expected: deviation of each free parameter, from the noise given or 5 %.
-        undetermined: what the sensors and the loads cannot see; remarks, sizes,
-        and the integration steps of each record.
+        expected: standard deviation of each free parameter that a fit would have. The
+            noise of a channel is the given one, or 5 % of its standard deviation.
+        undetermined: combinations of parameters that sensors and loads do not
+            determine.
+        remarks, sizes, steps: sentences, sizes, and the integration steps per record.
 
-        output: a folder with that and the model, its modes and matrices, as
-            `pinode_check` writes it; `mat`: with results.mat.
+        Arguments:
+
+        output: folder for these results, the model, its modes and matrices, as
+            `pinode_check` writes them. Empty: nothing is written.
+        overwrite: True: an existing folder of results is replaced.
+        mat: True: also writes results.mat.
         """
         from .forecast import Check
 
@@ -264,11 +290,14 @@ class Case:
         noise: str | None = None,
         seed: int | None = None,
     ) -> "Simulation":
-        """The response of the model to the excitation of each record.
+        """Simulates the response of the model to the excitation of each record.
 
-        noise_percent: of each channel's standard deviation, added to it; or
-        noise: "sigma", each channel's own `sigma`; as the case says unless one
-            is given. seed: of this noise.
+        noise_percent: noise to be added, in per cent of each channel's standard
+            deviation.
+        noise: "sigma": the noise of each channel is its own `sigma`.
+        seed: seed of the noise.
+
+        Without these arguments the table `simulate` of the case decides.
         """
         from .forecast import Simulation
 
@@ -291,16 +320,20 @@ class Case:
         overwrite: bool = False,
         mat: bool = False,
     ) -> "SensorPlan":
-        """The sensors that tell most about the groups, for the loads of the
-        training records; nothing need have been measured, nothing is fitted.
+        """Finds the sensors with the most information about the groups.
 
-        Table `plan` of the case says what there is to choose from (places,
-        their noise, criterion, durations); without it accelerometers anywhere.
-        force_at: a DOF; the first force of each record acts there, and no other
-            load does: where to hit. The DOFs of `excite` of that table are tried
-            as well (SensorPlan.by_force_at).
-        output: a folder with the plan as `pinode_check --plan` writes it, but for
-            other places of the force; `mat`: with results.mat.
+        The loads are those of the training records. No measured response and no fit
+        is needed. The table `plan` of the case lists places, their noise, criterion
+        and durations. Without it, accelerometers may be at all DOFs.
+
+        num_sensors: number of sensors to choose.
+        force_at: DOF at which the first force of each record acts. No other load acts
+            then. Empty: loads act as in the records. The DOFs of `excite` in the
+            table are tried as well (SensorPlan.by_force_at).
+        output: folder for the plan, as `pinode_check --plan` writes it, without other
+            places of the force.
+        overwrite: True: an existing folder of results is replaced.
+        mat: True: also writes results.mat.
         """
         from .forecast import SensorPlan
 
@@ -336,22 +369,28 @@ class Case:
         resume: bool = False,
         mat: bool = False,
     ) -> "Fit":
-        """Finds the unknowns.
+        """Finds the unknowns. Returns a Fit.
 
-        begin_from: a fit whose values this one begins from.
-        profiles: of the likelihood of each named free parameter, too.
-        threads: as the case says unless given.
-        progress: a bar; by default where there is a terminal or a notebook.
-        callback: called after each iteration with a dictionary (stage,
-            iteration, cost, free_run_error, ...); ends the fit where it returns
+        begin_from: a fit with whose values this one begins.
+        profiles: True: also computes the likelihood profile of each named free
+            parameter.
+        threads: number of threads. 0: as the case says.
+        progress: True shows a progress bar. Default: in a terminal or a notebook.
+        callback: function that is called after each iteration with a dictionary
+            (stage, iteration, cost, free_run_error, ...). The fit stops if it returns
             False.
-        output: a result folder, written as `pinode_update` does, with a
-            checkpoint on the way from which `resume` goes on; `mat`: with
-            results.mat, for MATLAB and Octave.
+        output: result folder, as `pinode_update` writes it, with checkpoints during
+            the fit. Empty: nothing is written.
+        overwrite: True: an existing folder of results is replaced.
+        resume: True: continues from the checkpoint in `output`.
+        mat: True: also writes results.mat, for MATLAB and Octave.
 
-        Ctrl-C stops after the iteration and returns the best so far, whose
-        `termination` is "interrupted". A second Ctrl-C, in this fit or within ten
-        seconds, raises KeyboardInterrupt, so that it ends a loop of fits.
+        Ctrl-C stops the fit after the current iteration and returns the best result
+        so far, with the `termination` "interrupted". A second Ctrl-C, in this fit or
+        within ten seconds, raises KeyboardInterrupt, so that it ends a loop of fits.
+
+        Raises pinode.Error if an argument is not valid. A fit that fails raises
+        nothing: see Fit.usable and Fit.sentence.
         """
         from .result import Fit
 
@@ -387,14 +426,15 @@ class Case:
         resume: bool = False,
         mat: bool = False,
     ) -> "Damage":
-        """Fits the case and says what has changed since healthy records.
+        """Fits the case and finds the changes relative to baselines. Returns a Damage.
 
-        baselines: fits of these, or their result folders.
-        threshold: loss of stiffness from which damage is called on one
-            baseline, a fraction; with several a smaller one counts too where
-            healthy records differ by less.
-        false_alarm_rate: probability of calling a change where there is none.
-        output: a result folder, written as `pinode_damage` does; see identify.
+        baselines: fits of earlier records, or their result folders.
+        threshold: loss of stiffness that counts as damage, as a fraction. With
+            several baselines a smaller loss also counts if the baselines differ less.
+        false_alarm_rate: probability of reporting a change if there is none.
+        output: result folder, as `pinode_damage` writes it.
+
+        The other arguments are those of identify.
         """
         from .result import Damage, _baselines
 
@@ -429,13 +469,16 @@ class Case:
         resume: bool = False,
         mat: bool = False,
     ) -> "Discovery":
-        """Closed-form equations in place of the networks of a model, as `discover`
-        of the case says; or without one from the derivatives of smoothed records
-        (`discover={"source": "derivatives"}`).
+        """Finds closed-form equations that replace the networks of a model.
 
-        model: a fit of this case, or the result folder of one.
-        output: a result folder, written as `pinode_discover` does, with a
-            checkpoint on the way from which `resume` goes on.
+        The table `discover` of the case has the options. With `discover={"source":
+        "derivatives"}` no trained network is needed: the equations come from the
+        derivatives of smoothed records.
+
+        model: a fit of this case, or its result folder.
+        output: result folder, as `pinode_discover` writes it, with checkpoints.
+
+        The other arguments are those of identify. Returns a Discovery.
         """
         from .result import Discovery, _model
 
@@ -506,7 +549,7 @@ def _restore(tree: dict[str, Any], path: str, purpose: str) -> Case:
 def read_case(
     path: str | os.PathLike[str], *, simulation: bool = False, planning: bool = False
 ) -> Case:
-    """The case of a file; see Case.read."""
+    """Reads a case file, see Case.read."""
     return Case.read(path, simulation=simulation, planning=planning)
 
 

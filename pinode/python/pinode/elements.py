@@ -1,5 +1,4 @@
-"""Elements of one's own: functors in C++, compiled into a library that a case
-names.
+"""Elements of your own: C++ functors, compiled into a library that a case names.
 
     path = pinode.elements.build('''
     struct Sticky {
@@ -12,8 +11,9 @@ names.
       }
     };
     PINODE_ELEMENTS(library) {
-      // Internal states, parameters; of each its name, its dimension by powers of
-      // force, length and time, its limits, its default.
+      // Numbers of internal states and parameters. Then for each parameter:
+      // its name, its dimension as powers of force, length and time, its limits,
+      // and its default.
       pinode::AddElement<Sticky, 0, 3>(
           "sticky", {{"k", 1, -1, 0}, {"f", 1, 0, 0}, {"v0", 0, 1, -1, 1e-9}},
           library);
@@ -43,8 +43,10 @@ _PREFIXES = (Path(sys.prefix), Path("/usr/local"), Path("/usr"))
 
 
 def include_paths() -> list[str]:
-    """Where the headers of pinode and Eigen are, as far as they are in one of the
-    usual places; Ceres' are where the compiler looks by itself."""
+    """Returns the folders with the headers of pinode and Eigen.
+
+    Only usual places are searched. The compiler itself finds the headers of Ceres.
+    """
     own = Path(__file__).parent / "include"
     places = [own, *(prefix / "include" for prefix in _PREFIXES)]
     pinode = [place for place in places if (place / _HEADER).exists()]
@@ -59,12 +61,17 @@ def build(
     include: Sequence[str | os.PathLike[str]] = (),
     compiler: str = "c++",
 ) -> str:
-    """Compiles a source into the shared library at `library`; its whole path, for
-    the `file` of an Element.
+    """Compiles a source into a shared library. Returns its absolute path.
 
-    source: the text of it, or the path of a file; pinode/dynamics/own_element.h is
-        included before a text.
-    include: folders with headers that are in none of the usual places.
+    Use the path as `file` of an Element.
+
+    source: C++ text, or the path of a file. pinode/dynamics/own_element.h is included
+        before a text.
+    library: path of the shared library to be written.
+    include: further folders with headers.
+    compiler: command of the C++ compiler.
+
+    Raises pinode.Error with the compiler's message if the compilation fails.
     """
     if not isinstance(source, (str, os.PathLike)):
         raise Error(f"source is a value of type {type(source).__name__}, expected a text or a path")

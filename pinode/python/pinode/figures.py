@@ -1,7 +1,7 @@
-"""The figures of the report, drawn by matplotlib.
+"""Figures of the report, drawn by matplotlib.
 
-Each function takes a result and returns a `matplotlib.figure.Figure`, or None
-where there is nothing to draw.
+Each function takes a result and returns a `matplotlib.figure.Figure`, or None if
+there is nothing to draw.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ _MOST_BARS = 40
 
 
 def all_figures(outcome: Any) -> "dict[str, Figure]":
-    """All that the result has, by name."""
+    """Returns all figures of the result, by name."""
     drawn = {
         "changes": changes(outcome),
         "parameters": parameters(outcome),
@@ -78,15 +78,16 @@ def all_figures(outcome: Any) -> "dict[str, Figure]":
         "equations": equations(outcome),
     }
     records = outcome.records
-    # What took no part in the fit first.
+    # Records that were not fitted come first.
     for name in sorted(records, key=lambda name: records[name]["role"] != "holdout"):
         drawn[f"prediction_{name}"] = prediction(outcome, name)
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def of_modes(found: Any) -> "dict[str, Figure]":
-    """Figures of identified modes by name: stabilisation diagrams, spectra, singular
-    values, shapes and MAC."""
+    """Returns the figures of identified modes by name: stabilisation diagrams, spectra,
+    singular values, shapes and MAC.
+    """
     drawn = {}
     for record in found.methods:
         drawn[f"stabilisation_{record}"] = stabilisation(found, record)
@@ -98,8 +99,10 @@ def of_modes(found: Any) -> "dict[str, Figure]":
 
 
 def stabilisation(found: Any, record: str) -> "Figure | None":
-    """Poles of all orders of a record; those of a mode are filled, with 95 %
-    intervals. Behind them the singular values of the spectra of all channels."""
+    """Stabilisation diagram of a record: poles of all orders, over the singular values
+    of the spectra of all channels. Filled poles belong to a mode and have 95 %
+    intervals.
+    """
     bands = [analysed for analysed in found.diagram if analysed["record"] == record]
     if not any(len(analysed["order"]) for analysed in bands):
         return None
@@ -131,7 +134,7 @@ def stabilisation(found: Any, record: str) -> "Figure | None":
 
 
 def _frequency_range(found: Any, bands: Any) -> tuple[float, float]:
-    """Around the modes; all that was looked at where there are none."""
+    """Returns a range around the modes, or the analysed range if there are none."""
     low = min(band["lowest_hz"] for band in bands)
     high = max(band["highest_hz"] for band in bands)
     hz = found.frequencies_hz
@@ -142,8 +145,9 @@ def _frequency_range(found: Any, bands: Any) -> tuple[float, float]:
 
 
 def modal_spectra(found: Any, record: str, *, most: int = 6) -> "Figure | None":
-    """Spectral densities of the first channels of a record beside those of its modes
-    and a noise; dB of the channel's unit squared per Hz."""
+    """Spectral densities of the first `most` channels of a record, and those of its
+    modes with noise, in dB of the channel's unit squared per Hz.
+    """
     spectra = found.spectra[record]
     hz = spectra["frequency_hz"]
     channels = spectra["channels"][:most]
@@ -164,7 +168,7 @@ def modal_spectra(found: Any, record: str, *, most: int = 6) -> "Figure | None":
 
 
 def identified_shapes(found: Any, *, most: int = 16) -> "Figure | None":
-    """Real parts of the first shapes with 95 % intervals, place by place."""
+    """Real parts of the first `most` shapes with 95 % intervals, place by place."""
     modes = list(found)[:most]
     if not modes or len(found.places) < 2:
         return None
@@ -191,9 +195,12 @@ def _name_places(ax: Any, names: Any, most: int) -> None:
 
 
 def parameters(outcome: Any) -> "Figure | None":
-    """Changes of the free parameters with their 95 % intervals, in per cent of
-    the value before; of groups, of the group's own matrix. Others that are zero
-    before have no such change: the title names them."""
+    """Changes of the free parameters with 95 % intervals, in per cent of the initial
+    value.
+
+    Changes of groups are in per cent of the group's own matrix. Other parameters with
+    an initial value of zero have no such change; the title names them.
+    """
     groups = {group.get("name") for group in outcome.case.to_dict().get("group", [])}
     rows, left_out = [], []
     for p in outcome.parameters.values():
@@ -221,12 +228,14 @@ def parameters(outcome: Any) -> "Figure | None":
 
 
 def changes(outcome: Any) -> "Figure | None":
-    """What has changed since the healthy records, with 95 % intervals. Colour: the
-    probability of a loss beyond the threshold (dashed), from grey (none) over
-    orange (a half) to red (certain). Masses and nonlinear forces are there where
-    they were found."""
+    """Changes relative to the baselines, with 95 % intervals.
+
+    The colour shows the probability of a loss above the threshold (dashed line): grey
+    is 0, orange 50 %, red 100 %. Masses and nonlinear forces are shown if they were
+    found.
+    """
     rows = getattr(outcome, "changes", [])
-    # Of what the data do not show at all the numbers are those of rounding.
+    # If the data do not determine a change, its numbers are rounding errors.
     rows = [row for row in rows
             if None not in (row["change"], row["lower95"], row["upper95"])
             and row["upper95"] - row["lower95"] < 20.0][:_MOST_BARS]
@@ -246,7 +255,7 @@ def _colour(probability: "float | None") -> Any:
 
 
 def modes(outcome: Any) -> "Figure | None":
-    """Frequencies of the model before and after."""
+    """Frequencies of the initial and the updated model."""
     pairs = [m for m in outcome.modes if m["initial_hz"] and m["updated_hz"]]
     if not pairs:
         return None
@@ -263,8 +272,9 @@ def modes(outcome: Any) -> "Figure | None":
 
 
 def mode_shapes(outcome: Any, *, most: int = 6) -> "Figure | None":
-    """The first mode shapes of the linear part before and after, the largest entry
-    one, DOFs in the model's order."""
+    """First `most` mode shapes of the linear part, initial and updated, over the DOFs
+    in the model's order. The largest entry is 1.
+    """
     dofs, pairs = shape_pairs(outcome, most)
     if len(dofs) < 2 or not pairs:
         return None
@@ -285,10 +295,12 @@ def mode_shapes(outcome: Any, *, most: int = 6) -> "Figure | None":
 
 
 def convergence(outcome: Any) -> "Figure | None":
-    """The cost by iteration, steps that were tried and not taken among them, with
-    vertical lines between the stages and above them the samples of their longest
-    segments; below, the error of the free run over the training records after
-    each stage."""
+    """Cost by iteration, also of rejected steps. Vertical lines separate the stages;
+    the number above each stage is the length of its longest segment in samples.
+
+    The lower panel shows the error of the simulations of the training records after
+    each stage.
+    """
     history = outcome.history
     cost, stage = history["cost"], history["stage"]
     if len(cost) < 2:
@@ -334,8 +346,9 @@ def convergence(outcome: Any) -> "Figure | None":
 
 
 def profiles(outcome: Any) -> "Figure | None":
-    """Profiles of the likelihood with the thresholds of 95 and 99 %; grey: the
-    parabola of the linear interval."""
+    """Profiles of the likelihood with the thresholds of 95 and 99 %. The grey parabola
+    is that of the linear interval.
+    """
     found = {name: p for name, p in outcome.profiles.items() if len(p["values"]) > 2}
     if not found:
         return None
@@ -377,10 +390,12 @@ def profiles(outcome: Any) -> "Figure | None":
 
 
 def ambient(outcome: Any, *, most: int = 6) -> "Figure | None":
-    """Spectral densities of the first channels of each ambient record, measured
-    (less the response to measured loads) and modelled, with the band in which 95 %
-    of the measured ones lie if the model is right; dB of the channel's unit squared
-    per Hz."""
+    """Spectral densities of the first `most` channels of each ambient record, measured
+    (without the response to measured loads) and modelled.
+
+    If the model is right, 95 % of the measured values lie in the band. Unit: dB of
+    the channel's unit squared per Hz.
+    """
     found = [
         (name, channel, score, row)
         for name, score in outcome.ambient.items()
@@ -411,8 +426,9 @@ def ambient(outcome: Any, *, most: int = 6) -> "Figure | None":
 
 
 def equations(outcome: Any) -> "Figure | None":
-    """What the best sets of so many candidates leave of what was regressed, RMS
-    over that of the output's acceleration (or force); circled, what was chosen."""
+    """Error of the regression by number of terms: RMS divided by the RMS of the
+    output's acceleration (or force). The circle is the chosen equation.
+    """
     curves = [(e, [p for p in e["pareto"] if p["residual"]])
               for e in getattr(outcome, "equations", [])]
     curves = [(e, points) for e, points in curves if len(points) > 1]
@@ -434,8 +450,9 @@ def equations(outcome: Any) -> "Figure | None":
 
 
 def equation_features(outcome: Any, *, most: int = 6) -> "Figure | None":
-    """Along the training records, an equation's terms over each feature that they look
-    at (blue), and what they stand for less the other terms (grey)."""
+    """Terms of an equation over each of its features along the training records (blue),
+    and the regressed values minus the other terms (grey).
+    """
     found = getattr(outcome, "samples", [])[:most]
     if not found:
         return None

@@ -1,5 +1,4 @@
-"""What a case says before anything is fitted: checks, simulations, plans of
-sensors."""
+"""Results of a case without a fit: checks, simulations, and plans of sensors."""
 
 from __future__ import annotations
 
@@ -21,12 +20,14 @@ if TYPE_CHECKING:
 
 
 class Check(dict):
-    """What an identification could find; a dictionary that a notebook shows as
-    tables. See Case.check."""
+    """Prediction of an identification; a dictionary that a notebook shows as tables.
+    See Case.check.
+    """
 
     def to_pandas(self, what: str = "expected") -> "DataFrame":
-        """A frame of pandas: "expected" (a row for each free parameter) or "steps"
-        (a row a record)."""
+        """Returns a frame of pandas: "expected" (one row per free parameter) or "steps"
+        (one row per record).
+        """
         from . import frames
 
         return frames.of_check(self, what)
@@ -79,8 +80,11 @@ class Check(dict):
 
 
 class Simulation(Mapping):
-    """Responses by record: `time` (s), `channels` by name, `states` (states x
-    samples, model units), `finite`, `remark`."""
+    """Simulated responses by record.
+
+    Each has `time` (s), `channels` by name (in the units of the record's file),
+    `states` (states x samples, in the model's units), `finite` and `remark`.
+    """
 
     def __init__(
         self, records: dict[str, dict[str, Any]], case: "Case", noise: dict[str, Any]
@@ -93,8 +97,11 @@ class Simulation(Mapping):
     def save(
         self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
     ) -> None:
-        """A folder with response_<record>.csv, as `pinode_simulate` writes it;
-        `mat`: with results.mat, for MATLAB and Octave."""
+        """Writes a folder with response_<record>.csv, as `pinode_simulate` does.
+
+        overwrite: True: an existing folder of results is replaced.
+        mat: True: also writes results.mat, for MATLAB and Octave.
+        """
         _pinode.save_simulation(
             self._case._handle,
             self._records,
@@ -105,14 +112,17 @@ class Simulation(Mapping):
         )
 
     def to_pandas(self, record: str | None = None) -> "DataFrame":
-        """A frame of pandas: the channels of a record, the first unless named,
-        indexed by time."""
+        """Returns the channels of a record as a frame of pandas, indexed by time.
+        Default: the first record.
+        """
         from . import frames
 
         return frames.of_simulation(self, record)
 
     def figures(self) -> "dict[str, Figure]":
-        """Of matplotlib: the channels of each record, response_<record>."""
+        """Returns figures of matplotlib by name: response_<record> with the channels of
+        each record.
+        """
         from . import figures
 
         drawn = {f"response_{name}": figures.simulated(self, name) for name in self}
@@ -154,19 +164,24 @@ class Simulation(Mapping):
 
 
 class SensorPlan(Sequence):
-    """Sensors, the most telling first; each a dictionary: name, quantity, sigma
-    and unit of its noise, rms of what it would show, and what it and those
-    before it reach: `typical` and `worst` deviation of the targets, `worst_of`.
+    """Planned sensors, the most informative first.
 
-    targets: the parameters that the sensors are chosen for.
-    one_more: what another sensor would bring; None where there is none.
+    Each is a dictionary: name, quantity, sigma and unit of its noise, and rms of its
+    values. `typical` and `worst` are the expected deviations of the targets with this
+    and all previous sensors; `worst_of` names the target with the worst one.
+
+    targets: names of the parameters that the sensors were chosen for.
+    one_more: result with one more sensor. None: there is no other candidate.
     own: `typical` and `worst` with the case's own sensors, or None.
-    deviations: {parameter: {"unit", "initial", "own", "planned", "all"}},
-        standard deviations with the case's own sensors, the planned ones, and
-        one at every place; inf where it is not determined.
-    undetermined, undetermined_by_own: what they cannot see, as sentences.
-    durations: `typical` and `worst` with shorter records, where `plan` asks.
-    by_force_at: {DOF: the plan with the force there}, where `plan` has `excite`.
+    deviations: {parameter: {"unit", "initial", "own", "planned", "all"}}: expected
+        standard deviations with the case's own sensors, the planned ones, and sensors
+        at all places. inf: not determined.
+    undetermined, undetermined_by_own: combinations of parameters that the planned and
+        the own sensors do not determine, as sentences.
+    durations: `typical` and `worst` with shorter records, if the table `plan` lists
+        durations.
+    by_force_at: {DOF: the plan with the force at this DOF}, if the table `plan` has
+        `excite`.
     """
 
     def __init__(
@@ -185,17 +200,19 @@ class SensorPlan(Sequence):
 
     @property
     def names(self) -> list[str]:
-        """Of the sensors, the most telling first."""
+        """Names of the sensors, the most informative first."""
         return [s["name"] for s in self._sensors]
 
     def to_pandas(self, what: str = "sensors") -> "DataFrame":
-        """A frame of pandas: "sensors", "deviations" or "durations"."""
+        """Returns a frame of pandas: "sensors", "deviations" or "durations"."""
         from . import frames
 
         return frames.of_plan(self, what)
 
     def figures(self) -> "dict[str, Figure]":
-        """Of matplotlib: "plan", what each sensor brings."""
+        """Returns figures of matplotlib by name: "plan" shows the gain by each
+        sensor.
+        """
         from . import figures
 
         drawn = {"plan": figures.planned(self)}

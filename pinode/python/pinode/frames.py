@@ -54,24 +54,27 @@ def _pandas() -> Any:
 
 @_of_results
 def frame(outcome: Any, what: str) -> "pandas.DataFrame":
-    """What a result has under that name:
+    """Returns a part of a result as a frame.
 
-    parameters, modes: a row each.
-    history: a row an iteration; stages: a row for each of its stages.
-    changes: of a verdict, a row a group, and what was found beside them.
-    equations: of a discovery, a row a term; pareto: a row for each number of
-        terms that an output was regressed on.
-    profiles: a row a point, indexed by parameter.
-    forces: indexed by time, columns (force, "force" | "lower95" | "upper95").
-    loops: a row a sample, indexed by (term, output, record).
-    ambient: indexed by frequency (Hz), columns (record, channel, "measured" |
+    `what` is one of these names. Otherwise it is the name of a record.
+
+    parameters, modes: one row each.
+    history: one row per iteration. stages: one row per stage.
+    changes: of a damage analysis: one row per group, then other changes.
+    equations: of a discovery: one row per term. pareto: one row per number of terms
+        in the regression of an output.
+    profiles: one row per point, indexed by parameter.
+    forces: indexed by time; columns (force, "force" | "lower95" | "upper95").
+    loops: one row per sample, indexed by (term, output, record).
+    ambient: indexed by frequency (Hz); columns (record, channel, "measured" |
         "modelled").
-    mode_shapes: indexed by DOF, columns (mode from 1, "initial" | "updated").
-    Any other name is that of a record: indexed by time, columns (channel,
-        "measured" | "predicted" | "deviation" | "before"); the last is the free
-        run of the model before the fit.
+    mode_shapes: indexed by DOF; columns (mode from 1, "initial" | "updated").
 
-    What a result has none of is a frame without rows.
+    The frame of a record is indexed by time. Its columns are (channel, "measured" |
+    "predicted" | "deviation" | "before"). "before" is the simulation of the initial
+    model.
+
+    If the result lacks this part, the frame has no rows.
     """
     pandas = _pandas()
     if not isinstance(what, str):
@@ -82,14 +85,14 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
 
 @_of_results
 def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
-    """Of identified modes:
+    """Returns a part of identified modes as a frame.
 
-    modes: a row each, frequency and damping with sigmas and intervals, and the
-        real part of the shape at each place.
-    shapes: indexed by place, columns (mode from 1, "real" | "imaginary" |
+    modes: one row each, with frequency, damping, sigmas, intervals, and the real part
+        of the shape at each place.
+    shapes: indexed by place; columns (mode from 1, "real" | "imaginary" |
         "sigma_real" | "sigma_imaginary").
-    diagram: a row a pole of the stabilisation diagram; `mode` from 1, that of the
-        record, 0 for none.
+    diagram: one row per pole of the stabilisation diagram. `mode` counts the modes of
+        the record from 1; 0 stands for none.
     """
     pandas, places = _pandas(), found.places
     if not isinstance(what, str):
@@ -127,13 +130,13 @@ def of_modes(found: Any, what: str = "modes") -> "pandas.DataFrame":
 
 @_of_results
 def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
-    """Of a plan of sensors:
+    """Returns a part of a sensor plan as a frame.
 
-    sensors: a row each, the most telling first, with what it and those before it
-        reach.
-    deviations: a row for each parameter, with the case's own sensors, the planned
-        ones and one at every place.
-    durations: what is reached with shorter records.
+    sensors: one row each, the most informative first, with the expected deviations of
+        this and all previous sensors together.
+    deviations: one row per parameter, with the case's own sensors, the planned ones,
+        and sensors at all places.
+    durations: one row per duration of the records.
     """
     pandas, deviations = _pandas(), plan.deviations
     if not isinstance(what, str):
@@ -149,10 +152,11 @@ def of_plan(plan: Any, what: str = "sensors") -> "pandas.DataFrame":
 
 
 def of_check(check: "Mapping[str, Any]", what: str = "expected") -> "pandas.DataFrame":
-    """Of what could be found:
+    """Returns a part of a check as a frame.
 
-    expected: a row for each free parameter, with the deviation that a fit would leave.
-    steps: the integration steps of each record.
+    expected: one row per free parameter, with the standard deviation that a fit would
+        have.
+    steps: integration steps of each record.
     """
     pandas = _pandas()
     if not isinstance(check, Mapping) or not hasattr(check, "to_pandas"):
@@ -167,7 +171,9 @@ def of_check(check: "Mapping[str, Any]", what: str = "expected") -> "pandas.Data
 def of_simulation(
     simulation: "Simulation", record: str | None = None
 ) -> "pandas.DataFrame":
-    """The channels of a simulated record, the first unless named, by time."""
+    """Returns the channels of a simulated record, indexed by time. Default: the first
+    record.
+    """
     pandas = _pandas()
     if record is None:
         record = next(iter(simulation))
@@ -180,7 +186,7 @@ def of_simulation(
 
 
 def of_table(columns: "Mapping[str, Any]") -> "pandas.DataFrame":
-    """Columns of equal lengths by name, as ResultFolder.table has them."""
+    """Returns columns of equal length, by name, as a frame, see ResultFolder.table."""
     pandas = _pandas()
     if not isinstance(columns, Mapping):
         raise Error(f"a frame of a {type(columns).__name__}, expected columns by name")
@@ -196,13 +202,13 @@ def _no_such(what: Any, expected: str) -> Error:
 
 
 def _rows(pandas: Any, rows: Any, index: str, columns: Any) -> Any:
-    """Dictionaries; `columns`: of a frame without rows."""
+    """Returns dictionaries as a frame. `columns` are those of a frame without rows."""
     table = pandas.DataFrame(rows) if rows else pandas.DataFrame(columns=columns)
     return table.set_index(index)
 
 
 def _side_by_side(pandas: Any, parts: Any, name: str) -> Any:
-    """Frames of which each has an index of its own, such as times."""
+    """Joins frames that each have an index of their own, such as times."""
     if not parts:
         return pandas.DataFrame(index=pandas.Index([], name=name))
     return pandas.concat(parts, axis=1).rename_axis(index=name)

@@ -1,6 +1,7 @@
-"""What was measured: records with their channels, and modes.
+"""Measurements: records with their channels, and modes.
 
-Tables of a case as those of `parts` are, with arrays or the columns of a file.
+Like the parts in `parts`, each is a table of a case, with arrays or the columns of a
+file.
 """
 
 from __future__ import annotations
@@ -52,15 +53,18 @@ _CHANNEL = {
 class Channel(Part):
     """A measured response.
 
-    values: one a sample, NaN (or masked) where missing; or the name of a column of the
-        record's file; None in a case that is simulated.
-    quantity: "absolute_acceleration", what accelerometers show,
-        "relative_acceleration", "displacement" and "velocity" (these relative to
-        the ground), "absolute_displacement", "strain", or "force", of the actuator
-        that moves a DOF.
-    dof: where; or `combination`, {dof: weight}.
-    unit: of the values; the model's own for arrays unless given.
-    sigma: standard deviation of its noise, in `unit`; estimated unless given.
+    values: one value per sample, NaN or masked if missing. Or the name of a column of
+        the record's file. None in a case that is simulated.
+    quantity: "absolute_acceleration" (the usual accelerometer),
+        "relative_acceleration", "displacement", "velocity" (relative to the ground),
+        "absolute_displacement" or "strain"; "force" is the force of an actuator that
+        moves a DOF.
+    dof: measured DOF.
+    combination: {dof: weight} in place of `dof`.
+    unit: unit of the values. Default: the model's unit for arrays.
+    sigma: standard deviation of the noise, in `unit`. Default: it is estimated.
+    sigma_percent: sigma in per cent of the channel's standard deviation.
+    fit: False: the channel is predicted and scored, but not fitted.
     """
 
     @takes(name=TEXT, values=either(VALUES, TEXT), quantity=TEXT, **_CHANNEL)
@@ -106,10 +110,11 @@ def channels(
     dofs: Sequence[str] | None = None,
     **keys: Any,
 ) -> list[Channel]:
-    """A channel for each column of `values`, samples x channels.
+    """Returns a channel for each column of `values`, samples x channels.
 
-    They are called prefix + "1", ... and are at u1, u2, ... unless `dofs` names
-    others. Further keys are those of Channel.
+    prefix: the channels are named prefix + "1", prefix + "2", ...
+    dofs: their DOFs. Default: u1, u2, ...
+    keys: further arguments of Channel.
     """
     try:
         array = as_array(values)
@@ -154,8 +159,10 @@ def _check_quantity(name: str, quantity: str) -> None:
 
 
 def _dimensions(values: Any) -> int:
-    """Number of dimensions of an array; 0 for rows of different lengths, which are
-    refused later."""
+    """Returns the number of dimensions of an array.
+
+    It is 0 for rows of different lengths, which are refused later.
+    """
     try:
         return np.ndim(values)
     except ValueError:
@@ -163,25 +170,31 @@ def _dimensions(values: Any) -> int:
 
 
 class Record(Part):
-    """What was measured at one go, on a uniform grid of samples.
+    """A record: inputs and responses on a uniform grid of samples.
 
-    step: seconds between samples; or `fs` (or `sampling_rate_hz`), samples a second;
-        or `time`: an array of times in seconds, or the column of the file that has
-        them; dates count from the first.
-    channels: the responses; none to plan sensors.
-    ground: {direction: accelerations}; force, motion: {dof: values};
-        covariate: {name: values}. In place of the values may stand the name of
-        a column of the file, or a dictionary with `values` (or `column`) and
-        further keys such as `unit`; of a covariate one number as well. A motion
-        takes a list of dictionaries, where its displacement was measured and its
-        velocity (`quantity`) too. Beside a file arrays have the record's `step`, or
-        a `time` of their own in their dictionary.
-    interpolation: of these between samples: "held", "linear", "cubic" or
-        "band_limited". Needed where there are any.
-    start: "rest", "free", or {"x": [...], "v": [...]}.
-    role: "train" or "holdout".
-    file: a CSV file or another; or a dictionary of columns, or a pandas frame, whose
-        index is a column too where it has a name.
+    channels: list of the responses. Empty to plan sensors.
+    step: seconds between samples; or fs or sampling_rate_hz: samples per second; or
+        time: array of times in seconds, or the column of the file with them. Dates
+        count from the first one.
+    ground: {direction: accelerations}.
+    force: {dof: forces}.
+    motion: {dof: displacements} that an actuator prescribes. A list of dictionaries
+        gives the velocity or acceleration as well, each with its `quantity`.
+    covariate: {name: values}, or one number for the whole record.
+    interpolation: interpolation of inputs between samples: "held", "linear", "cubic"
+        or "band_limited". Required if there are inputs.
+    start: initial state: "rest", "free" (it is estimated), or {"x": [...], "v":
+        [...]} in the model's units. Default: "free".
+    role: "train" or "holdout" (predicted only). Default: "train".
+    file: a CSV file or a file of another supported format; or a dictionary of
+        columns; or a pandas frame. A named index of a frame is a column too.
+
+    Values of inputs are arrays with one value per sample, names of columns of the
+    file, or dictionaries with `values` or `column` and further keys such as `unit`.
+    If there is a `file`, arrays have the record's `step`, or their dictionary has a
+    `time`.
+
+    Raises pinode.Error if arrays have different lengths or if there is no rate.
     """
 
     @takes(name=TEXT, channels=LIST, step=ANY, sampling_rate_hz=POSITIVE, fs=POSITIVE, ground=MAPPING,
@@ -258,16 +271,18 @@ class Record(Part):
 
     @property
     def is_for_simulation(self) -> bool:
-        """Whether it has a channel without values."""
+        """True if a channel has no values."""
         return is_for_simulation(self)
 
 
 class Mode(Part):
     """A measured mode.
 
-    frequency_hz: with `frequency_sigma` (Hz) where there are records too.
-    shape: {dof: value}, or an array and the `dofs` of its entries, NaN or masked
-        where nobody measured.
+    frequency_hz: frequency in Hz.
+    frequency_sigma: its standard deviation in Hz; required if there are also records.
+    shape: {dof: value}, or an array with its `dofs`. NaN or masked: not measured.
+    shape_sigma: standard deviation of each entry, in the unit of `shape`.
+    name: name in reports.
     """
 
     @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=ANY, shape_sigma=POSITIVE, name=TEXT,
@@ -306,7 +321,9 @@ class Mode(Part):
 
 
 def _tables(values: Any) -> list[Any]:
-    """Of one place: its values, or what was measured of it, a dictionary each."""
+    """Returns the inputs of one place as a list: its values, or one dictionary for each
+    measured quantity.
+    """
     several = isinstance(values, (list, tuple)) and len(values) > 0
     return list(values) if several and all(isinstance(v, Mapping) for v in values) else [values]
 
@@ -329,7 +346,7 @@ def _check_lengths(record: str, table: Any) -> None:
 
 
 def _argument(column: str) -> str:
-    """The argument as which the array of a column was passed."""
+    """Returns the argument by which the array of a column was passed."""
     key, _, place = column.partition("_")
     is_input = key in ("ground", "force", "motion", "covariate") and place
     return f"{key}[{place!r}]" if is_input else f"'{column}'"
@@ -349,8 +366,9 @@ def _channel_table(
 def rate_from(
     where: str, step: Any, fs: Any = None, sampling_rate_hz: Any = None
 ) -> float | None:
-    """Samples a second, by the one of `step` (seconds), `fs` and `sampling_rate_hz`
-    that is given; None: none is. `where`: for messages."""
+    """Returns samples per second from the one of `step` (seconds), `fs` and
+    `sampling_rate_hz` that is given; None if none is given. `where` is for messages.
+    """
     given = {"step": step, "fs": fs, "sampling_rate_hz": sampling_rate_hz}
     given = {key: value for key, value in given.items() if value is not None}
     if len(given) > 1:

@@ -1,4 +1,4 @@
-"""Modes of a structure from records alone, without a model or its loads."""
+"""Modes of a structure from records alone, without a model."""
 
 from __future__ import annotations
 
@@ -31,9 +31,13 @@ _LONGER = {"absolute_displacement": "displacement", "absolute_acceleration": "ac
 
 
 class IdentifiedModes(Sequence):
-    """Modes by frequency; each a dictionary: frequency_hz, damping_ratio, their
-    sigma, lower95 and upper95, the complex shape over `places`, and is_harmonic: the
-    vibration of a machine, which is no mode of the structure."""
+    """Identified modes, ascending by frequency.
+
+    Each mode is a dictionary: frequency_hz and damping_ratio (a fraction of
+    critical), their sigma, lower95 and upper95, and the complex shape over `places`.
+    is_harmonic is True for the vibration of a machine, which is not a mode of the
+    structure.
+    """
 
     def __init__(self, handle: Any) -> None:
         self._handle = handle
@@ -48,24 +52,28 @@ class IdentifiedModes(Sequence):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """Of each mode, ascending, in Hz."""
+        """Frequencies in Hz, ascending, one per mode."""
         return np.array([m["frequency_hz"] for m in self._modes])
 
     @property
     def damping_ratios(self) -> np.ndarray:
-        """Of each mode, fractions of critical."""
+        """Damping ratios as fractions of critical, one per mode."""
         return np.array([m["damping_ratio"] for m in self._modes])
 
     @property
     def shapes(self) -> np.ndarray:
-        """places x modes, complex; the largest entry of each is 1."""
+        """Mode shapes, places x modes, complex. The largest entry of each is 1."""
         if not self._modes:
             return np.zeros((len(self.places), 0), dtype=complex)
         return np.column_stack([m["shape"] for m in self._modes])
 
     def mac(self, other: "IdentifiedModes | None" = None) -> np.ndarray:
-        """Modal assurance criterion |a^H b|^2 / (a^H a b^H b) of each mode with each,
-        modes x modes; or with those of `other`, at the places that both have."""
+        """Returns the modal assurance criterion |a^H b|^2 / (a^H a b^H b), modes x
+        modes.
+
+        other: the second set of modes, compared at the places that both have.
+            Default: the modes are compared with each other.
+        """
         both = self if other is None else other
         if not isinstance(both, IdentifiedModes):
             raise Error(f"other is {words_of(other)}, expected identified modes")
@@ -80,27 +88,39 @@ class IdentifiedModes(Sequence):
 
     @functools.cached_property
     def methods(self) -> dict[str, str]:
-        """By record: "covariance_driven", "input_output", "ring_down", ..."""
+        """Method by record: "covariance_driven", "input_output", "ring_down", ..."""
         return self._handle.methods
 
     @functools.cached_property
     def diagram(self) -> list[dict[str, Any]]:
-        """The stabilisation diagram: of each record, at each rate at which it was
-        looked at, its poles by columns (order, frequency_hz, frequency_sigma,
-        damping_ratio, mode: of that record, -1 for none)."""
+        """Stabilisation diagram: one entry per record and sampling rate of the
+        analysis.
+
+        Each entry has the poles as columns: order, frequency_hz, frequency_sigma,
+        damping_ratio, and mode, the index of the record's mode, -1 for none.
+        """
         return self._handle.diagram
 
     @functools.cached_property
     def spectra(self) -> dict[str, dict[str, Any]]:
-        """Of each record its channels; singular_values (3 x singular_hz) of all of
-        them; and measured and modelled densities (channels x frequency_hz, unit of
-        the channel squared per Hz) with what part of each channel's power the
-        modes explain; these are empty for a free decay."""
+        """Spectra of each record, by name.
+
+        singular_values: 3 x frequencies, of the spectra of all channels, at
+            singular_hz.
+        measured, modelled: spectral densities, channels x frequencies, at
+            frequency_hz, in the unit of the channel squared per Hz.
+        explained: fraction of each channel's power that the modes explain.
+
+        The last two items are empty for a free decay.
+        """
         return self._handle.spectra()
 
     def for_case(self) -> list[dict[str, Any]]:
-        """`modes` of a Case: frequencies with sigmas, shapes with covariances, at
-        DOFs that are called as the places are."""
+        """Returns the modes as `modes` of a Case.
+
+        They have frequencies with sigmas, and shapes with covariances. DOFs have the
+        names of the places.
+        """
         return copy.deepcopy(self._case_modes)
 
     @functools.cached_property
@@ -115,16 +135,22 @@ class IdentifiedModes(Sequence):
     def save(
         self, folder: str | os.PathLike[str], *, overwrite: bool = False, mat: bool = False
     ) -> None:
-        """A result folder, as `pinode_modes` writes it, with the report; `mat`:
-        with results.mat, for MATLAB and Octave."""
+        """Writes a result folder with the report, as `pinode_modes` does.
+
+        overwrite: True: an existing folder of results is replaced.
+        mat: True: also writes results.mat, for MATLAB and Octave.
+        """
         if self._handle is None:
             raise Error("modes from a pickle are without their records: save the folder before")
         self._handle.save(as_path("folder", folder), overwrite, mat)
 
     def plot(self, what: str = "stabilisation", record: str | None = None) -> Any:
-        """One figure of matplotlib: "stabilisation", "spectra", "fdd" (singular values
-        of the spectra), these of a record, the first unless it is named; "shapes" or
-        "mac"."""
+        """Returns one figure of matplotlib.
+
+        what: "stabilisation", "spectra" or "fdd" (singular values of the spectra) of
+            one record; "shapes" or "mac" of all modes.
+        record: name of the record. Default: the first.
+        """
         from . import figures
 
         kinds = {"stabilisation": figures.stabilisation, "spectra": figures.modal_spectra,
@@ -143,20 +169,21 @@ class IdentifiedModes(Sequence):
         return drawn
 
     def figures(self) -> "dict[str, Any]":
-        """Figures of matplotlib by name: the stabilisation diagram of each record,
-        spectra, singular values, shapes and MAC."""
+        """Returns figures of matplotlib by name: the stabilisation diagram of each
+        record, spectra, singular values, shapes and MAC.
+        """
         from . import figures
 
         return figures.of_modes(self)
 
     def to_pandas(self, what: str = "modes") -> Any:
-        """A frame of pandas: "modes" (a row each), "shapes" or "diagram"."""
+        """Returns a frame of pandas: "modes" (one row each), "shapes" or "diagram"."""
         from . import frames
 
         return frames.of_modes(self, what)
 
     def structure(self) -> "StructureView":
-        """The modes moving, where the case has a [geometry]."""
+        """View of the moving modes. None if the case has no [geometry]."""
         from .structure_view import StructureView
 
         section = self._structure_html
@@ -216,39 +243,46 @@ def identify_modes(
     output: str | os.PathLike[str] = "",
     overwrite: bool = False,
 ) -> IdentifiedModes:
-    """Subspace identification over many orders, with intervals.
+    """Identifies modes from records by subspace methods, with 95 % intervals.
 
-    records: samples x channels of one set-up, `step` seconds apart or `fs` (or
-        `sampling_rate_hz`) a second; or a dictionary {set-up: {"values": ..., "step": ..., "names": ...}} of several
-        that have places in common, with `quantity`, `loads` and `free_decay` of
-        their own where they differ; or a case: the path of a file, the tables of
-        one ({"record": [...]}, as Case.from_dict takes them), or a Case, which
-        needs no model; or the path of a data file (CSV, universal file, ...), as
-        `pinode_modes --columns` takes it.
-    names: of the channels, which are places on the structure; those of the columns
-        of a frame of pandas unless given.
-    quantity: "displacement", "velocity", "acceleration" or "strain", for all or for
-        each; "absolute_acceleration" and others of a Channel are these.
-    loads: samples x loads that were measured, in any units.
-    free_decay: the structure is left to itself from the first sample on.
-    columns: of a data file, the channels; all but the time unless given.
-    time: its column of the time, in seconds; "t" or "time" where neither this nor
-        `step` is given.
-    method: "covariance_driven", "data_driven", "input_output" or "ring_down"; by
-        what the record is unless given.
-    lowest_hz, highest_hz: what is looked for.
-    pick: frequencies (Hz) at which modes are taken whether stable or not.
-    harmonics: True keeps harmonics of machines among the `modes` for a case
-        (`for_case`, modes.toml); they are left out unless it is given. Each mode says
-        whether it is one, `is_harmonic`.
-    detrend: of arrays, what is taken away first: True or "linear", or "constant".
-    filter_hz: of arrays, (lowest, highest): a zero-phase Butterworth filter lets this
-        band through, None for an open end. Modes outside are not looked for. The method
-        needs no filter: use it against drift or strong noise outside of the band.
-    output: a result folder, as `pinode_modes` writes it.
+    records: array, samples x channels, of one set-up. Or a dictionary {set-up:
+        {"values": ..., "step": ..., "names": ...}} of set-ups with places in common.
+        Each set-up may have its own `quantity`, `loads` and `free_decay`. Or a case,
+        which needs no model: a Case, the path of a case file, or its tables
+        ({"record": [...]}). Or the path of a data file (CSV, universal file, ...).
+    step: seconds between samples; or fs or sampling_rate_hz: samples per second.
+    names: names of the channels, which are the places on the structure. Default:
+        names of the columns of a pandas frame.
+    quantity: "displacement", "velocity", "acceleration" or "strain", for all channels
+        or one per channel. Names of Channel.quantity are accepted too.
+    loads: measured loads, samples x loads, in any units.
+    free_decay: True: no load acts from the first sample on.
+    columns: channels of a data file. Default: all columns but the time.
+    time: column of the time in seconds of a data file. Default: "t" or "time".
+    method: "covariance_driven", "data_driven", "input_output" or "ring_down".
+        Default: chosen by the kind of record.
+    lowest_hz, highest_hz: range of frequencies of the search.
+    block_rows: number of block rows of the Hankel matrix. Default: 12 to 40.
+    max_order: highest model order, even. Default: 60, or as many as the channels
+        allow.
+    max_damping_ratio: poles with more damping are not modes. Default: 0.15.
+    references: channels that correlations are computed with. Default: all.
+    pick: frequencies in Hz. The nearest poles are the modes, stable or not.
+    harmonics: True: `for_case` and modes.toml include harmonics of machines.
+    detrend: "linear" (or True) or "constant": trend that is subtracted from arrays.
+    filter_hz: (lowest, highest) of a zero-phase Butterworth filter for arrays; None
+        for an open end. No modes are searched for outside. The method needs no
+        filter. Use one against drift or strong noise outside of the band.
+    threads: number of threads. 0: those of the machine.
+    title: title of the report.
+    output: result folder, as `pinode_modes` writes it. Empty: nothing is written.
+    overwrite: True: an existing folder of results is replaced.
 
-    What is not given is as the case says, or as a default with a reason does
-    (table `[modes]` of a case file).
+    An argument that is not given is as in the table `[modes]` of the case, or has the
+    default of this table.
+
+    Raises pinode.Error, which names the argument, if records or arguments are not
+    valid or a record is too short.
     """
     options = {
         "method": method,
@@ -296,13 +330,13 @@ def identify_modes(
 
 
 def _in_python(remark: str) -> str:
-    """A remark with a keyword in place of a key of a file."""
+    """Returns a remark with keywords in place of keys of a file."""
     return remark.replace("Set harmonics = true in [modes] to have it in modes.toml.",
                           "Set harmonics=True to have it in for_case() and modes.toml.")
 
 
 def _refuse_given(why: str, values: Mapping[str, Any]) -> None:
-    """What is given of `values`, where nothing may be."""
+    """Raises an Error if one of `values` is given."""
     for key, value in values.items():
         usual = key == "quantity" and isinstance(value, str) and value == "acceleration"
         if value is not None and value is not False and not usual:
@@ -310,7 +344,7 @@ def _refuse_given(why: str, values: Mapping[str, Any]) -> None:
 
 
 def _is_data_file(records: Any, of_file: Mapping[str, Any]) -> bool:
-    """A path that is no case's: by what is said of it, or by its end."""
+    """True for a path of a data file, which arguments or its extension show."""
     if not isinstance(records, (str, os.PathLike)):
         return False
     name = as_path("records", records).lower().removesuffix(".gz")
@@ -349,7 +383,7 @@ def _of_data_file(
 
 
 def _of_case(records: Any, options: dict[str, Any]) -> Any:
-    """None where it is not one."""
+    """Returns the modes of a case; None if `records` is not a case."""
     from .case import Case
 
     if isinstance(records, Case):
@@ -370,7 +404,7 @@ def _of_case(records: Any, options: dict[str, Any]) -> Any:
 
 
 def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
-    """`one`: what set-ups have that do not say."""
+    """Returns the table of one set-up. `one` has the values that set-ups share."""
     if is_frame(setup):
         setup = {"values": setup}
     if not isinstance(setup, Mapping) or "values" not in setup:

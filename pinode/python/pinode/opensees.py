@@ -5,14 +5,15 @@ OpenSees prints its matrices as full ones:
     integrator('GimmeMCK', 1.0, 0.0, 0.0); analyze(1, 0.0)
     printA('-file', 'M.out')                   # and so for C and K
 
-with `system('FullGeneral')` and `numberer('Plain')`. A row is an equation;
-which DOF of which node it is, `nodeDOFs(tag)` says (-1: fixed).
+Use `system('FullGeneral')` and `numberer('Plain')`. Each row is an equation. The
+command `nodeDOFs(tag)` returns the equations of a node's DOFs (-1: fixed).
 
     model = pinode.opensees.read("M.out", "K.out", dofs={2: [0, 1, 2], ...})
     case = pinode.Case(pinode.Model(model.mass, model.stiffness, {"ratios": [0.02]},
                                     dofs=model.dofs, influence=model.influence))
 
-or, where groups of elements with rotations without mass may have changed much,
+Use the whole model if rotations have no mass and groups of elements may have changed
+much:
 
     case = pinode.Case(model.whole(damping={"ratios": [0.02]}),
                        groups=[model.group("k1", K1)])
@@ -38,15 +39,17 @@ _NO_MASS = 1e-12
 
 
 class CondensedModel(NamedTuple):
-    """M, C and K over the DOFs that carry mass.
+    """M, C and K over the DOFs with mass.
 
-    dofs: "node.direction", in the order of the rows (directions 1 to 3, or to
-        6, as OpenSees counts them).
-    influence: {"x": r, ...}: what ground accelerations do at each DOF.
+    mass, damping, stiffness: square, one row per DOF. damping is None if it was not
+        given.
+    dofs: "node.direction", in the order of the rows. Directions are 1 to 3 or 1 to 6,
+        as in OpenSees.
+    influence: {"x": r, ...}: displacement of each DOF for a unit displacement of the
+        ground.
     expansion: motion of all equations = expansion @ motion of `dofs`.
-    equations: the names of all equations.
-    constrained: the model before DOFs without mass were left out.
-    damping: None where it was not given.
+    equations: names of all equations.
+    constrained: the model before DOFs without mass were eliminated.
     """
 
     mass: np.ndarray
@@ -59,27 +62,31 @@ class CondensedModel(NamedTuple):
     constrained: ConstrainedModel
 
     def condense(self, matrix: np.ndarray) -> np.ndarray:
-        """Of a matrix over all equations, such as the part of a group, what it
-        is over `dofs`, the others following as they do in the model.
+        """Reduces a matrix over all equations, such as that of a group, to `dofs`.
 
-        They go on doing so where the group has changed, which is exact without
-        DOFs without mass, and else to first order: of a column with free rotations
-        that has lost a fifth, the shift of a frequency is some 5 % too large, at
-        two fifths 11 %. `whole` has them follow the group too.
+        The other equations follow `dofs` as in the initial model, also if the group
+        has changed. This is exact if all DOFs have mass, else of first order.
+        Example: a column with free rotations loses 20 % of its stiffness. The shift
+        of a frequency is then about 5 % too large, and at a loss of 40 % about 11 %.
+        With `whole` the equations follow the changed group.
         """
         return _symmetric(self.expansion.T @ self._of_equations(matrix) @ self.expansion)
 
     def whole(self, **keys: Any) -> FiniteElementModel:
-        """The model with its DOFs without mass, which follow `dofs` in the structure
-        as a fit finds it (a reduction that is renewed); keys as for
-        FiniteElementModel. Its groups are those of `group`."""
+        """Returns the model with its DOFs without mass, as a FiniteElementModel.
+
+        These follow `dofs` in the identified structure, by a reduction that is
+        renewed during the fit. `keys` are those of FiniteElementModel. Groups must
+        come from `group`.
+        """
         return self.constrained.model(self.dofs, **keys)
 
     def group(
         self, name: str, matrix: np.ndarray, *, adds_to: str = "stiffness", **keys: Any
     ) -> Group:
-        """A group of `whole`, of a part of its matrix over all equations; keys as for
-        Group."""
+        """Returns a Group for `whole`, from a matrix over all equations. `keys` are
+        those of Group.
+        """
         return self.constrained.group(name, self._of_equations(matrix), adds_to, **keys)
 
     def _of_equations(self, matrix: Any) -> np.ndarray:
@@ -93,7 +100,7 @@ class CondensedModel(NamedTuple):
 
 
 def read_matrix(path: str | os.PathLike[str]) -> np.ndarray:
-    """A full square matrix as `printA -file` writes it."""
+    """Reads a full square matrix that `printA -file` has written."""
     # A number is an open file to Python.
     path = as_path("path", path)
     try:
@@ -126,11 +133,11 @@ def read_matrix(path: str | os.PathLike[str]) -> np.ndarray:
 
 
 def equation_names(dofs: Mapping[int, Sequence[int]], size: int) -> list[str]:
-    """"node.direction" of each of `size` equations.
+    """Returns "node.direction" for each of `size` equations.
 
-    dofs: {node: equation of each of its DOFs}, from 0, as nodeDOFs gives it;
-        negative where a DOF is fixed. An equation that several DOFs share
-        (equalDOF with the transformation handler) has the name of the first.
+    dofs: {node: equation of each of its DOFs}, from 0, as nodeDOFs returns it;
+        negative for a fixed DOF. If several DOFs share an equation (equalDOF with the
+        transformation handler), it has the name of the first.
     """
     nodes = _equations(dofs)
     most = sum(map(len, nodes.values()))
@@ -164,20 +171,20 @@ def condense(
     coordinates: Mapping[int, Sequence[float]] | None = None,
     translations: int = 2,
 ) -> CondensedModel:
-    """The model over the DOFs that carry mass.
+    """Reduces a model to the DOFs with mass. Returns a CondensedModel.
 
     mass, stiffness, damping: N x N over the equations.
     dofs: {node: [equation of each DOF]}, see equation_names.
-    equal: (retained node, constrained node, [directions]), as equalDOF; where
+    equal: (retained node, constrained node, [directions]) as for equalDOF. Use it if
         the matrices were printed without these constraints (handler Plain).
-    rigid: (kind, retained node, [constrained nodes]) likewise: "beam" and "bar"
-        as rigidLink, 1, 2 or 3 the direction across a rigidDiaphragm.
-    coordinates: {node: (x, y) or (x, y, z)} of the nodes of `rigid`.
-    translations: 2 or 3, the directions along which nodes move.
+    rigid: (kind, retained node, [constrained nodes]), likewise. The kind is "beam" or
+        "bar" as for rigidLink, or the direction 1, 2 or 3 across a rigidDiaphragm.
+    coordinates: {node: (x, y) or (x, y, z)} of the nodes in `rigid`.
+    translations: 2 or 3, the number of directions in which nodes move.
 
-    Constraints come first, u = L q with L'ML and so on; then DOFs without mass
-    follow the others statically (Guyan's reduction, which is exact there; of
-    groups see CondensedModel.condense).
+    Constraints are applied first: u = L q, so that M becomes L' M L. Then DOFs
+    without mass follow the others statically (R. J. Guyan, AIAA J. 3 (1965) 380),
+    which is exact for them. For groups see CondensedModel.condense.
     """
     mass, stiffness = _square("mass", mass), _square("stiffness", stiffness)
     size = len(mass)
@@ -249,7 +256,7 @@ def read(
     damping: str | os.PathLike[str] | None = None,
     **keys: Any,
 ) -> CondensedModel:
-    """`condense` of matrices in files of printA."""
+    """Reads matrices from files of printA and reduces them with `condense`."""
     return condense(
         read_matrix(mass),
         read_matrix(stiffness),
@@ -308,7 +315,7 @@ def _square(name: str, value: Any) -> np.ndarray:
 
 
 class _Row(NamedTuple):
-    """A DOF that follows others: sum of factor * motion of (node, direction)."""
+    """A DOF that follows others: the sum of factor * motion of (node, direction)."""
 
     node: int
     direction: int
@@ -334,8 +341,9 @@ def _places(coordinates: Any, translations: int) -> dict[int, np.ndarray]:
 
 def _link_rows(kind: Any, offset: np.ndarray, retained: int, constrained: int,
                translations: int) -> list[_Row]:
-    """u_c = u_r + theta_r x offset, theta_c = theta_r, or the part of them that
-    the kind of link holds."""
+    """Returns the rows of a rigid link: u_c = u_r + theta_r x offset, theta_c =
+    theta_r, or the part of them that this kind of link has.
+    """
     plane = translations == 2
     rotations = [3] if plane else [4, 5, 6]
     axes = [(3, 2)] if plane else [(4, 0), (5, 1), (6, 2)]  # DOF, vector
@@ -398,7 +406,7 @@ def _rigid_rows(dofs: Mapping[int, Sequence[int]], rigid: Any, coordinates: Any,
 
 
 class _Links:
-    """Which equations follow which others."""
+    """Equations that follow others."""
 
     def __init__(self, dofs: Mapping[int, Sequence[int]], size: int) -> None:
         self.dofs = dofs
@@ -455,7 +463,7 @@ def _constraints(
     rigid: Iterable[_Row],
     size: int,
 ) -> tuple[np.ndarray, list[int]]:
-    """L of u = L q, and which equation each q is."""
+    """Returns L of u = L q, and the equation of each q."""
     links = _Links(dofs, size)
     for retained, constrained, directions in equal:
         for direction in directions:

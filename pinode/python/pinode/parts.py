@@ -1,9 +1,10 @@
-"""The parts of a case that make its model and what is unknown in it, as a case file
-has them; records and modes are in `measurements`.
+"""Parts of a case: its model and its unknowns. Records and modes are in `measurements`.
 
-Each is a dictionary with the keys of `pinode/case/README.md`; further keys of
-that page may be given by name. None counts as absent. Unknown keywords and values
-of another kind are refused at once; what does not fit the other parts, when they
+Each part is a dictionary with the keys of `pinode/case/README.md`. Further keys of
+that page may be given by name. None counts as absent.
+
+The constructor refuses unknown keywords with pinode.KeywordError, and values of a
+wrong kind with pinode.Error. The parts are checked against each other when they
 become a `Case`.
 """
 
@@ -49,7 +50,9 @@ from ._pinode import Error
 
 
 def _names_of_columns(**matrices: Any) -> list[str] | None:
-    """Those of frames whose columns are called by texts; None: there are none."""
+    """Returns the column names of frames whose columns are named by texts. None: there
+    are no such frames.
+    """
     found: dict[str, list[str]] = {}
     for key, matrix in matrices.items():
         if not is_frame(matrix):
@@ -71,7 +74,7 @@ def _names_of_columns(**matrices: Any) -> list[str] | None:
 
 
 def _size_of(mass: Any) -> int:
-    """The rows of a mass matrix, or of one in a file."""
+    """Returns the number of rows of a mass matrix, in memory or in a file."""
     if isinstance(mass, (str, os.PathLike)):
         rows = rows_of_file(as_path("mass", mass))
         if rows:
@@ -116,15 +119,15 @@ def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -
 
 
 class Model(Part):
-    """M, C and K of a structure with n degrees of freedom.
+    """Matrices M, C and K of a structure with n degrees of freedom.
 
-    mass, stiffness: n x n, full or sparse, in consistent units (N, m, s unless
-        the case's `units` say otherwise).
-    damping: n x n; or {"ratios": [0.02]}, {"rayleigh": [a0, a1]} or "none".
-        Needed where there are records.
-    dofs: n names; u1, u2, ... unless given, or those of the columns of frames.
-    influence: {direction: n numbers}, what an acceleration of the ground does
-        at each DOF; {"x": all ones} unless given.
+    mass, stiffness: n x n, symmetric, full or sparse, in consistent units. These are
+        N, m and s unless the case has other `units`.
+    damping: n x n; or {"ratios": [0.02]} (fractions of critical), {"rayleigh": [a0,
+        a1]} or "none". Required if there are records.
+    dofs: n names. Default: names of the columns of frames, else u1, u2, ...
+    influence: {direction: n numbers}, the static displacement of each DOF for a unit
+        displacement of the ground. Default: {"x": all ones}.
     """
 
     @takes(mass=MATRIX, stiffness=MATRIX, damping=_DAMPING, **_MODEL)
@@ -162,8 +165,9 @@ class Model(Part):
 class ShearBuilding(Part):
     """A mass per floor and a stiffness per storey, from the ground up.
 
-    dampers: one a storey; or `damping` as for Model. DOFs are called u1, u2,
-    ... unless given.
+    masses, stiffnesses: one number per floor or storey, in consistent units.
+    dampers: damping constant of each storey; or damping: as for Model.
+    dofs: names of the floors. Default: u1, u2, ...
     """
 
     @takes(masses=VALUES, stiffnesses=VALUES, dampers=VALUES, damping=_DAMPING, **_MODEL)
@@ -190,13 +194,17 @@ class ShearBuilding(Part):
 
 
 class FiniteElementModel(Part):
-    """The export of a finite-element program, and how it is made small.
+    """Matrices that a finite-element program has exported, and their reduction.
 
-    mass, stiffness, damping: sparse matrices of SciPy, full ones, or files.
+    mass, stiffness, exported_damping: sparse matrices of SciPy, full ones, or files.
     dofs: names of all DOFs, or the file that lists them.
-    remove_dofs: those that stand still.
-    reduction: such as {"method": "craig_bampton", "modes": 4}; needed above 100
-        DOFs. `damping` of the reduced model as for Model, as {"ratios": ...}.
+    remove_dofs: names of DOFs that are fixed.
+    ground_directions: {direction: number}, such as {"x": 1}.
+    expected_frequencies: frequencies in Hz that the program has found. The case is
+        refused if one differs by more than the fraction `frequency_tolerance`.
+    reduction: such as {"method": "craig_bampton", "modes": 4}. Required above 100
+        DOFs.
+    damping: damping of the reduced model, such as {"ratios": [0.02]}, see Model.
     """
 
     @takes(mass=MATRIX, stiffness=MATRIX, exported_damping=MATRIX, remove_dofs=NAMES,
@@ -238,9 +246,15 @@ class FiniteElementModel(Part):
 
 
 class Unknown(Part):
-    """A parameter that is looked for: of an element, a sensor, a force.
+    """An unknown parameter of an element, a sensor or a force.
 
-    A bare number in its place is fixed.
+    A bare number in its place is a fixed value. All numbers are in the parameter's
+    unit.
+
+    initial: value with which the fit begins.
+    lower, upper: bounds. Default: none.
+    prior_mean, prior_sigma: Gaussian prior. Default: `initial`, no prior.
+    free: False: the parameter is fixed.
     """
 
     @takes(**_PARAMETER)
@@ -267,12 +281,17 @@ class Unknown(Part):
 
 
 class Group(Part):
-    """A correction alpha K_j (C_j, M_j) with the unknown fraction alpha.
+    """A correction alpha * matrix of K, C or M, with the dimensionless unknown alpha.
 
-    matrix: n x n, symmetric; or `between` two DOFs (with `scale`), or a
-        `storey` of a shear building, or the `changed_export` of a
-        finite-element model with its `factor`.
+    name: name of the group and of alpha.
+    matrix: n x n, symmetric, in the model's units.
     adds_to: "stiffness", "damping" or "mass".
+    between: two DOFs, or a DOF and "ground", joined by a spring with the stiffness
+        `scale`, in place of `matrix`.
+    storey: number of a storey of a shear building, in place of `matrix`.
+    changed_export: matrix that was exported with an element set's property times
+        `factor`, for a finite-element model. alpha = -0.1 then is a loss of 10 %.
+    initial, lower, upper, prior_sigma: as for Unknown, of alpha.
     """
 
     @takes(name=TEXT, matrix=MATRIX, adds_to=one_of("stiffness", "damping", "mass"),
@@ -314,12 +333,14 @@ class Group(Part):
 
 
 class Element(Part):
-    """A named force law between two DOFs, or a DOF and the "ground".
+    """A force law between two DOFs, or a DOF and the "ground".
 
-    type: "linear", "cubic", "bilinear", "coulomb", "power_damper", "bouc_wen",
-        ...; see "Element types" of the case files.
-    parameters: by name, each a number (fixed) or an Unknown.
-    file: the shared library that has the type, see pinode.elements.
+    type: "linear", "cubic", "bilinear", "coulomb", "power_damper", "bouc_wen", ...;
+        see "Element types" in `pinode/case/README.md`.
+    between: names of the two DOFs.
+    parameters: {name: number or Unknown}. A number is fixed.
+    file: shared library that has the type, see pinode.elements.
+    optional: True: the element stays only if the records support it.
     """
 
     @takes(name=TEXT, type=TEXT, between=NAMES, parameters=MAPPING, file=PATH, optional=FLAG)
@@ -348,10 +369,12 @@ class Element(Part):
 class Library(Part):
     """A sum of functions with unknown coefficients, such as "x[u1]^3".
 
-    inputs: what they look at, "x[u1]", "v[u1]", "d[ground,u1]", ...
+    inputs: arguments of the functions: "x[u1]" (displacement), "v[u1]" (velocity),
+        "d[ground,u1]" (relative displacement), ...
     output: a DOF, or a pair "u1-u2".
-    acts_as: "acceleration" or "force".
     terms: functions, or {"basis": function, "initial": ...}.
+    acts_as: "acceleration" (added to dv/dt, default) or "force" (resists).
+    select: True: terms that the records do not support are left out.
     """
 
     @takes(name=TEXT, inputs=NAMES, output=TEXT, terms=LIST, acts_as=_ACTS_AS, select=FLAG)
@@ -378,10 +401,13 @@ class Library(Part):
 
 
 class Network(Part):
-    """A feed-forward network for what nobody wrote down.
+    """A feed-forward network in place of an unknown force law.
 
     inputs, outputs: as for Library, several of each.
-    layers: widths of the hidden layers; [] makes it linear.
+    layers: widths of the hidden layers. Default: [20]. [] is a linear map.
+    activation: "tanh" (default), "sigmoid", "relu", "softplus", "sine", ...
+    acts_as: as for Library.
+    seed: seed of the initial weights.
     """
 
     @takes(name=TEXT, inputs=NAMES, outputs=NAMES, layers=VALUES, activation=TEXT,
@@ -412,11 +438,15 @@ class Network(Part):
 
 
 class UnknownForce(Part):
-    """The history of a force at `dof` that nobody measured.
+    """History of an unmeasured force at a DOF.
 
-    shape: "cubic" or "linear", a spline with knots `knot_spacing` (s) apart in
-        `window` (s); or "half_sine" with `parameters`.
-    scale: about its size, in the model's unit of force.
+    dof: name of the DOF.
+    shape: "cubic" or "linear": a spline in time; "half_sine": a blow.
+    record: name of the record in which the force acts.
+    window: first and last time of the spline in s.
+    knot_spacing: time between its knots in s.
+    scale: approximate size of the force, in the model's unit of force.
+    parameters: of a half sine: start, duration and amplitude, numbers or Unknown.
     """
 
     @takes(name=TEXT, dof=TEXT, shape=TEXT, record=TEXT, window=VALUES, knot_spacing=POSITIVE,

@@ -24,7 +24,9 @@ def _in_notebook() -> bool:
 def watched(
     progress: bool | None, callback: Callable[[Mapping[str, Any]], Any] | None
 ) -> Iterator[Callable[[Mapping[str, Any]], Any] | None]:
-    """What a fit is to call: the callback, a bar, both, or None."""
+    """Returns the function that a fit calls: the callback, a progress bar, both, or
+    None.
+    """
     if progress is None:
         progress = _in_notebook() or bool(getattr(sys.stderr, "isatty", bool)())
     bar = None

@@ -1,4 +1,4 @@
-"""What came out of a case."""
+"""Results of a case: fits, damage analyses and discoveries."""
 
 from __future__ import annotations
 
@@ -38,11 +38,12 @@ class Fit(Outcome):
         resume: bool = False,
         mat: bool = False,
     ) -> "Discovery":
-        """Closed-form equations in place of the networks of the model.
+        """Finds closed-form equations that replace the networks of the model.
 
-        options: as [discover] of a case file; those of the case unless given.
-        output: a result folder, written as `pinode_discover` does, with a
-            checkpoint on the way from which `resume` goes on.
+        options: with the keys of [discover] in a case file. Default: those of the
+            case.
+
+        The other arguments are those of Case.discover. Returns a Discovery.
         """
         case = self.case if options is None else self.case.replace(discover=as_mapping("options", options))
         with watched(*as_watcher(progress, callback)) as call:
@@ -70,9 +71,12 @@ class Fit(Outcome):
         progress: bool | None = None,
         callback: Progress | None = None,
     ) -> "Damage":
-        """What has changed since healthy records; see Case.damage, which begins
-        the fit from the first of these, and holds what these alone tell of how
-        the structure follows a covariate."""
+        """Finds the changes relative to baselines, see Case.damage.
+
+        Case.damage also begins its fit from the first baseline. It also fixes the
+        parameters by which the structure follows covariates if only the baselines
+        determine them.
+        """
         with watched(*as_watcher(progress, callback)) as call:
             return Damage(
                 _pinode.damage(
@@ -88,7 +92,7 @@ class Fit(Outcome):
 
 
 class Damage(Outcome):
-    """A fit of new records beside healthy ones, and what has changed."""
+    """A fit of new records, with the changes relative to baselines."""
 
     def __init__(self, handle: Any) -> None:
         super().__init__(handle)
@@ -96,23 +100,24 @@ class Damage(Outcome):
 
     @property
     def verdict(self) -> str:
-        """Verdict on the change: "no_damage", "damage", "nonlinear", "other_change"
-        or "cannot_tell"."""
+        """Verdict on the change: "no_damage", "damage", "nonlinear", "other_change" or
+        "cannot_tell".
+        """
         return "cannot_tell" if self._found is None else self._found["verdict"]
 
     @property
     def fit_verdict(self) -> str:
-        """Verdict on the fit: "good", "with_care" or "not_usable"."""
+        """Grade of the fit: "good", "with_care" or "not_usable"."""
         return self._handle.verdict
 
     @property
     def fit_sentence(self) -> str:
-        """The verdict on the fit in words."""
+        """Grade of the fit in words."""
         return self._handle.sentence
 
     @property
     def sentence(self) -> str:
-        """The verdict on the change in words."""
+        """Verdict on the change in words."""
         if self._found is None:
             # The first trouble says just this.
             why = "; ".join(self._handle.troubles) or (
@@ -122,15 +127,18 @@ class Damage(Outcome):
         return self._found["message"]
 
     def plot(self, record: str | None = None) -> "Figure":
-        """The changes of the groups in one figure, or a record if it is named."""
+        """Returns a figure with the changes of the groups, or of a record if it is
+        named.
+        """
         from . import figures
 
         drawn = None if record is not None else figures.changes(self)
         return super().plot(record) if drawn is None else drawn
 
     def summary(self) -> str:
-        """The verdict on the change in words, changes with their 95 % intervals, and
-        the summary of the fit."""
+        """Returns the verdict in words, the changes with their 95 % intervals, and the
+        summary of the fit.
+        """
         changes = _html.plain_table(CHANGE_HEADER, [change_row(g) for g in self.groups.values()])
         lines = summary_lines(self.parameters.values(), self.records.values())
         blank = [""] if changes else []
@@ -138,15 +146,21 @@ class Damage(Outcome):
 
     @property
     def groups(self) -> dict[str, dict[str, Any]]:
-        """By group its change (-0.1: a tenth lost), lower95, upper95, the
-        probability of a loss beyond the threshold, damaged, reason."""
+        """Changes of the groups, by name.
+
+        Each has its change as a fraction (-0.1: a loss of 10 %), lower95, upper95,
+        the probability of a loss above the threshold, damaged, and reason.
+        """
         return {} if self._found is None else {g["name"]: g for g in self._found["groups"]}
 
     @property
     def changes(self) -> list[dict[str, Any]]:
-        """What a verdict looks at: name, target ("stiffness", "damping", "mass",
-        "nonlinear"), change, lower95, upper95 and probability of each group, and
-        then of the masses, dampings and nonlinear forces found beside them."""
+        """Changes on which the verdict is based: those of groups, then those of masses,
+        dampings and nonlinear forces that were found.
+
+        Each has name, target ("stiffness", "damping", "mass", "nonlinear"), change,
+        lower95, upper95 and probability.
+        """
         if self._found is None:
             return []
         keys = ("name", "target", "change", "lower95", "upper95", "probability", "reason")
@@ -163,12 +177,12 @@ class Damage(Outcome):
 
     @property
     def damage_json(self) -> dict[str, Any] | None:
-        """The content of damage.json; None where nothing could be said."""
+        """Content of damage.json. None if there is no result."""
         return self._found
 
     @property
     def remarks(self) -> list[str]:
-        """Sentences on the fit, and on what was compared."""
+        """Remarks on the fit and on the comparison, one sentence each."""
         compared = [] if self._found is None else self._found.get("remarks", [])
         of_fit = super().remarks
         return of_fit + [remark for remark in compared if remark not in of_fit]
@@ -197,19 +211,25 @@ class Discovery(Outcome):
 
     @property
     def samples(self) -> list[dict[str, Any]]:
-        """Of each equation and feature that its terms look at, along the training
-        records: output, unit, feature, feature_unit, `at` (the feature), `terms`
-        in it, `regressed` (what they stand for, less the other terms)."""
+        """Regressed values along the training records, one entry per equation and
+        feature.
+
+        Each has output, unit, feature, feature_unit, `at` (values of the feature),
+        `terms` (values of the terms in this feature) and `regressed` (the regressed
+        values minus the other terms).
+        """
         return _pinode.equation_samples(self._handle)
 
     @property
     def equations(self) -> list[dict[str, Any]]:
-        """By output the terms with basis, coefficient, lower95, upper95, unit."""
+        """Terms of the equations by output: basis, coefficient, lower95, upper95,
+        unit.
+        """
         return self._found["equations"]
 
     @property
     def discovery_json(self) -> dict[str, Any]:
-        """The content of discover.json."""
+        """Content of discover.json."""
         return self._found
 
     @property
@@ -237,8 +257,9 @@ class Discovery(Outcome):
 
 
 def _model(case: Case, given: Any, output: str) -> Any:
-    """The handle of a model to discover equations from: of a fit, or of what a
-    folder holds of one for this case. None: there is none."""
+    """Returns the handle of the model to discover equations from: from a fit, or from
+    the result folder of a fit of this case. None: there is none.
+    """
     if given is None:
         return None
     if isinstance(given, Outcome):
@@ -252,7 +273,7 @@ def _model(case: Case, given: Any, output: str) -> Any:
 
 
 def _baselines(given: Any) -> list[Any]:
-    """Handles of fits, and paths."""
+    """Returns handles of fits, and paths."""
     if isinstance(given, (str, os.PathLike, Outcome, ResultFolder)):
         given = [given]
     result: list[Any] = []

@@ -1,4 +1,4 @@
-"""A result that programs, or `save`, have left on disk."""
+"""Results on disk, written by a program or by `save`."""
 
 from __future__ import annotations
 
@@ -32,14 +32,13 @@ _MAIN_FILES = {
 
 
 class ResultFolder:
-    """A result folder on disk, of whatever program.
+    """A result folder on disk, of any program.
 
     kind: "fit", "damage", "discovery", "modes", "simulation", "check" or "plan".
-    json: the content of its main file: result.json, of other kinds modes.json,
-        simulate.json, check.json or plan.json; of a discovery without a fit
-        discover.json.
+    json: content of its main file: result.json, modes.json, simulate.json, check.json
+        or plan.json; discover.json of a discovery without a fit.
 
-    What its kind has none of is an Error that says so.
+    A property that this kind of folder lacks raises pinode.Error.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -72,20 +71,23 @@ class ResultFolder:
 
     @property
     def usable(self) -> bool:
-        """True if the programs called the result usable."""
+        """True if the result is usable."""
         return self._get("usable", bool)
 
     @property
     def verdict(self) -> str:
-        """Verdict on the change of a damage analysis, as Damage has it; verdict on the
-        fit of other results."""
+        """Verdict on the change, for a damage analysis, see Damage.verdict. Grade of
+        the fit for other results.
+        """
         damage = self.damage
         return self.fit_verdict if damage is None else damage["verdict"]
 
     @property
     def fit_verdict(self) -> str:
-        """Verdict on the fit: "good", "with_care" or "not_usable"; from `usable` in
-        folders of versions before verdicts."""
+        """Grade of the fit: "good", "with_care" or "not_usable".
+
+        Folders of old versions have no grade; it then follows from `usable`.
+        """
         verdict = self.json.get("verdict")
         if verdict is None:
             return "good" if self.usable else "not_usable"
@@ -94,17 +96,18 @@ class ResultFolder:
     @property
     def findings(self) -> list[dict[str, Any]]:
         """Failed checks of a result, each with `check`, `what`, `grade`, `number`,
-        `limit` and `advice`."""
+        `limit` and `advice`.
+        """
         return self.json.get("findings", [])
 
     @property
     def message(self) -> str:
-        """The verdict of a fit, a discovery or a check in a sentence."""
+        """Verdict of a fit, a discovery or a check in a sentence."""
         return self._get("message", str)
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Of a fit by name: value, sigma, interval and unit."""
+        """Parameters of a fit by name: value, sigma, interval and unit."""
         return {p["name"]: p for p in self._get("parameters", list)}
 
     def __getitem__(self, name: str) -> float:
@@ -112,40 +115,49 @@ class ResultFolder:
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:
-        """By name: of a fit role and errors of each record, of a simulation its
-        samples, of a check what it is and its steps; of modes the name alone."""
+        """Records by name.
+
+        A fit has role and errors of each, a simulation its samples, a check its kind
+        and steps. Identified modes have only the name.
+        """
         records = [r if isinstance(r, dict) else {"name": r} for r in self._get("records", list)]
         return {r["name"]: r for r in records}
 
     @property
     def modes(self) -> list[dict[str, Any]]:
-        """Ascending: of a fit those of the model, before and after; of a check
-        those of the model; identified ones as IdentifiedModes has them, each with
-        its complex `shape` over `places`."""
+        """Modes, ascending by frequency.
+
+        A fit has the modes of the initial and the updated model, a check those of the
+        model. Identified modes are as in IdentifiedModes, each with its complex
+        `shape` over `places`.
+        """
         modes = self._get("modes", list)
         return [_mode(m, self.places) for m in modes] if self.kind == "modes" else modes
 
     @property
     def places(self) -> list[str]:
-        """Of identified modes, where their shapes are known."""
+        """Places of the shapes of identified modes, if they are known."""
         return self._get("places", list)
 
     @property
     def sensors(self) -> list[dict[str, Any]]:
-        """Of a plan, the most telling first, as SensorPlan has them."""
+        """Sensors of a plan, the most informative first, as in SensorPlan."""
         return self._get("sensors", list)
 
     def prediction(self, record: str) -> dict[str, np.ndarray]:
-        """Of a fit the columns of prediction_<record>.csv."""
+        """Returns the columns of prediction_<record>.csv of a fit."""
         return self.table(f"prediction_{_name(record)}.csv")
 
     def response(self, record: str) -> dict[str, np.ndarray]:
-        """Of a simulation the columns of response_<record>.csv."""
+        """Returns the columns of response_<record>.csv of a simulation."""
         return self.table(f"response_{_name(record)}.csv")
 
     def table(self, name: str) -> dict[str, np.ndarray]:
-        """The columns of one of its CSV files: numbers, NaN where a cell is empty,
-        or texts where one is no number."""
+        """Returns the columns of one of the CSV files by name.
+
+        A column is an array of numbers, with NaN for empty cells. It is a list of
+        texts if a cell is not a number.
+        """
         file = self.path / as_path("name", name)
         try:
             with open(file, newline="", encoding="utf-8") as lines:
@@ -158,13 +170,18 @@ class ResultFolder:
         return columns
 
     def to_pandas(self, name: str) -> "DataFrame":
-        """One of its CSV files, such as "parameters.csv", as a frame of pandas."""
+        """Returns one of the CSV files, such as "parameters.csv", as a frame of
+        pandas.
+        """
         from . import frames
 
         return frames.of_table(self.table(name))
 
     def matrix(self, name: str, *, sparse: bool = False) -> Any:
-        """One of its matrices, such as "K.mtx", full; `sparse`: as SciPy's CSC."""
+        """Returns one of the matrices, such as "K.mtx", as a full array.
+
+        sparse: True: returns a CSC matrix of SciPy.
+        """
         from scipy.io import mmread
         from scipy.sparse import csc_array
 
@@ -178,22 +195,22 @@ class ResultFolder:
 
     @property
     def case(self) -> Case:
-        """The updated model of a fit or a discovery as a case, model.toml."""
+        """Returns the updated model of a fit or a discovery, model.toml, as a case."""
         return Case.read(self.path / "model.toml")
 
     @property
     def damage(self) -> dict[str, Any] | None:
-        """The content of damage.json, where there is one."""
+        """Content of damage.json, if there is one."""
         return self._beside("damage.json")
 
     @property
     def discovery(self) -> dict[str, Any] | None:
-        """The content of discover.json, where there is one."""
+        """Content of discover.json, if there is one."""
         return self._beside("discover.json")
 
     @property
     def equations(self) -> list[dict[str, Any]]:
-        """Of a discovery by output the terms, as Discovery has them."""
+        """Terms of a discovery by output, as in Discovery.equations."""
         found = self.discovery
         if found is None:
             raise Error(f"{self.path}: holds no discover.json, expected the folder of a discovery")
@@ -201,7 +218,7 @@ class ResultFolder:
 
     @property
     def terms(self) -> dict[str, dict[str, float]]:
-        """Of a discovery the coefficients by output and basis."""
+        """Coefficients of a discovery by output and basis."""
         return {
             e["output"]: {t["basis"]: t["coefficient"] for t in e["terms"]}
             for e in self.equations
@@ -257,7 +274,7 @@ def _column(cells: list[str]) -> np.ndarray:
 
 
 def _mode(entry: dict[str, Any], places: list[str]) -> dict[str, Any]:
-    """An identified mode of modes.json, with arrays over `places`."""
+    """Returns an identified mode of modes.json, with arrays over `places`."""
     at = {part["place"]: part for part in entry["shape"]}
 
     def over_places(key: str) -> np.ndarray:
@@ -272,7 +289,9 @@ def _mode(entry: dict[str, Any], places: list[str]) -> dict[str, Any]:
 
 
 def _dictionaries(rows: list[dict[str, Any]]) -> str:
-    """Their plain values as a table, with the keys of the first."""
+    """Returns the plain values of dictionaries as a table with the keys of the first
+    one.
+    """
     if not rows:
         return ""
     keys = [key for key, value in rows[0].items() if not isinstance(value, (list, dict))]
@@ -280,5 +299,8 @@ def _dictionaries(rows: list[dict[str, Any]]) -> str:
 
 
 def read_result(path: str | os.PathLike[str]) -> ResultFolder:
-    """The result folder that a program, or `save`, has written."""
+    """Reads the result folder that a program or `save` has written.
+
+    Raises pinode.Error if there is no result in it.
+    """
     return ResultFolder(path)

@@ -1,4 +1,4 @@
-"""The structure as a page shows it."""
+"""View of a structure as a page."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ._pinode import Error
 
 
 class StructureView:
-    """A structure drawn in 3-D, for a notebook or a page of its own.
+    """A structure in 3-D, for a notebook or a page of its own.
 
-    html: the page: turned by pointer, keys and touch; a still picture on paper
-        and where there is no WebGL.
+    html: the page. It can be rotated by mouse, keys and touch. On paper and without
+        WebGL it is a still picture.
     """
 
     def __init__(self, section: str) -> None:
@@ -26,7 +26,7 @@ class StructureView:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page."""
+        """Writes the page to a file."""
         file = Path(as_path("path", path))
         try:
             file.write_text(self.html, encoding="utf-8")
