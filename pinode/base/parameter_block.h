@@ -39,6 +39,7 @@ struct Parameter {
 // corrections and constants of elements, are listed one by one. Network weights
 // are many and have indexed names, `<block>[i]`.
 struct ParameterBlock {
+  // Name of the term, and its parameters.
   std::string name;
   std::vector<Parameter> parameters;
   // True for entries with a prior of mean zero whose width the fit chooses

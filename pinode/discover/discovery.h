@@ -45,6 +45,7 @@ struct DiscoveryOptions {
     std::vector<CoefficientConstraint> constraints;
   };
 
+  // Source of the regressed values, and method of the regression.
   Source source = Source::kNetwork;
   Solver solver = Solver::kLasso;
 

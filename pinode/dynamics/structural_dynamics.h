@@ -145,8 +145,8 @@ class StructuralDynamics {
   StructuralDynamics WithGroupParameters(
       const std::function<void(Parameter*)>& change) const;
 
+  // Numbers of DOFs, of internal states z, of entries of h, and of inputs.
   int num_dofs() const { return linear_.num_dofs(); }
-  // Number of internal states z, and length of h.
   int num_internal() const { return num_internal_; }
   int num_states() const { return 2 * num_dofs() + num_internal_; }
   int num_inputs() const { return linear_.num_inputs(); }

@@ -52,6 +52,7 @@ struct TermPoint {
   const T* state = nullptr;       // h, num_states entries
   const T* parameters = nullptr;  // of the term's own block
 
+  // Parts x, v of the state, and the internal states of this term.
   const T* displacement() const { return state; }
   const T* velocity() const { return state + place.num_dofs; }
   const T* internal() const { return state + place.first_internal; }

@@ -99,6 +99,7 @@ const char* ModalMethodName(ModalMethod method);
 
 // Options of IdentifyModes.
 struct ModeIdentificationOptions {
+  // Method of identification.
   ModalMethod method = ModalMethod::kAutomatic;
   // Frequency range of the search in Hz. Default (0): from 50 divided by the
   // record's duration to 0.475 times the sampling rate.
@@ -121,6 +122,7 @@ struct ModeIdentificationOptions {
 
 // Result of IdentifyModes.
 struct ModesOfRecord {
+  // Method that was used; never kAutomatic.
   ModalMethod method = ModalMethod::kCovarianceDriven;
   std::vector<IdentifiedMode> modes;  // ascending frequency
   std::vector<AnalysedBand> bands;    // highest band first

@@ -88,6 +88,7 @@ struct NetworkArchitecture {
   // field, its value and the violated rule.
   [[nodiscard]] bool IsValid(std::string* error) const;
 
+  // True without hidden layers.
   bool IsLinear() const { return hidden_widths.empty(); }
   bool HasSkipPath() const { return skip && !IsLinear(); }
 

@@ -116,6 +116,7 @@ struct LoadEvidence {
 // Scores of the fit for an ambient record.
 struct AmbientScore {
   std::string name;
+  // Band of the fit, in cycles per unit of the model's time.
   double lowest_frequency = 0.0;
   double highest_frequency = 0.0;
   // Number of lines (discrete frequencies) in the band.

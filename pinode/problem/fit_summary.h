@@ -118,9 +118,13 @@ struct ForceEstimate {
 
 // One Levenberg-Marquardt iteration.
 struct IterationRecord {
+  // Stage, length of its longest segment in samples, and number of the
+  // iteration over all stages.
   int stage = 0;
   Eigen::Index segment_samples = 0;
   int iteration = 0;
+  // Values as in ceres::IterationSummary. The largest gap between segments is
+  // in units of the state's RMS.
   double cost = 0.0;
   double gradient_norm = 0.0;
   double step_norm = 0.0;
@@ -180,6 +184,7 @@ struct FitSummary {
   // each.
   std::vector<std::string> undetermined;
 
+  // Stages and iterations of the fit, in their order.
   std::vector<StageRecord> stages;
   std::vector<IterationRecord> iterations;
   // Cost (negative log-likelihood with priors) before and after the fit.

@@ -23,6 +23,7 @@ struct ModelChoice {
     double deviance = 0.0;
     double price = 0.0;
 
+    // Change of the criterion.
     double criterion() const { return deviance + price; }
   };
 
@@ -37,6 +38,7 @@ struct ModelChoice {
   std::vector<Step> steps;
   bool complete = false;  // false: the choice was interrupted
 
+  // True if there were no candidates.
   bool empty() const { return candidates.empty(); }
 
   // Returns the choice in words, with the criterion of each step: "Model

@@ -25,10 +25,12 @@ class ParameterLayout {
   // Copies the parameters of `problem`, which must be valid.
   explicit ParameterLayout(const IdentificationProblem& problem);
 
+  // Numbers of all parameters, of those of the dynamics, and of free ones.
   int num_parameters() const { return static_cast<int>(all_.size()); }
   int num_dynamics() const { return num_dynamics_; }
   int num_free() const { return static_cast<int>(free_.size()); }
 
+  // The parameter with this index in `parameters`.
   const Parameter& parameter(int index) const {
     return all_[static_cast<size_t>(index)];
   }

@@ -137,9 +137,10 @@ struct NoiseTuning {
   // a network is not noise. With a smaller noise the evidence would prefer
   // weights that do not generalise.
   double smallest_misfit = 0.002;
-  // Limits of the factor by which noise changes from round to round: smallest
-  // factor, smallest factor with networks, and largest factor. Early residuals
-  // mislead, and a network needs time to adapt.
+  // Limits of the change of noise from round to round. Early residuals mislead,
+  // and a network needs time to adapt. `shrink`: smallest factor.
+  // `network_step_down`: largest relative decrease with networks. `growth`:
+  // largest factor.
   double shrink = 0.1;
   double network_step_down = 0.4;
   double growth = 10.0;

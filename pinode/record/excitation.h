@@ -58,6 +58,7 @@ class Excitation {
   // fraction <= 1. `inputs` has num_inputs() entries. Allocates no memory.
   void Evaluate(Eigen::Index interval, double fraction, double* inputs) const;
 
+  // Values that were given to the constructor.
   int num_inputs() const { return static_cast<int>(samples_->rows()); }
   Eigen::Index num_samples() const { return samples_->cols(); }
   double start_time() const { return start_time_; }

@@ -36,6 +36,7 @@ std::string PinodeVersion();
 // and the results of studies. The objects that it points to must outlive it.
 // The fit may have failed; the report then leaves out the missing parts.
 struct ReportInput {
+  // Problem, and result of its fit.
   const IdentificationProblem* problem = nullptr;
   const IdentificationSummary* summary = nullptr;
   const IdentifiedModel* model = nullptr;
