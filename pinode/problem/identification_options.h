@@ -26,7 +26,7 @@ struct IdentificationProgress {
   double cost = 0.0;
   double largest_gap = 0.0;  // in units of the state's RMS
   // Error (nrmse over all channels) of the latest simulation of the training
-  // records. Simulations are run at the begin of each stage, and at every
+  // records. Simulations are run at the beginning of each stage, and at every
   // iteration while networks are annealed. Infinite: the simulation diverged.
   double free_run_error = 0.0;
   double elapsed_seconds = 0.0;

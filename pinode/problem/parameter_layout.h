@@ -39,9 +39,9 @@ class ParameterLayout {
 
   // Group of parameters whose Gaussian priors of mean zero share one precision.
   // A network has one group for the weights of each input, of each output and
-  // of each layer in between, and one for the hidden biases. A network of time
-  // alone has one for the weights of each output. Unknown forces and curves
-  // have the groups of their CombinationPrior.
+  // of each layer in between. The hidden biases are a further group. A network
+  // of time alone has one for the weights of each output. Unknown forces and
+  // curves have the groups of their CombinationPrior.
   //
   // The evidence can choose the precisions. For networks this is automatic
   // relevance determination (R. M. Neal, Bayesian Learning for Neural Networks,

@@ -55,8 +55,8 @@ struct ParameterProfile {
   // Number of linearisations that the profile has needed.
   int linearizations = 0;
 
-  // True if an end of the 95 % interval differs from that of the linear
-  // interval by more than 20 % of its distance from the estimate.
+  // True if an end of the 95 % interval is far from that of the linear
+  // interval. The limit is 20 % of the end's distance from the estimate.
   bool DiffersFromLinear() const;
 };
 

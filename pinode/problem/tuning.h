@@ -105,7 +105,7 @@ struct SolveTuning {
   // small steps at first.
   double first_radius = 1e4;
   double first_network_radius = 30.0;
-  // Limits of this radius at the begin of a round.
+  // Limits of this radius at the beginning of a round.
   double least_radius = 1e-2;
   double most_radius = 1e8;
   // Number of uphill steps that Ceres may take before it goes back. They help
@@ -113,9 +113,9 @@ struct SolveTuning {
   // uphill they leave the valley, for regions in which only short steps are
   // possible.
   int uphill_steps = 5;
-  // Change of the cost (a negative log-likelihood) in one iteration below which
-  // a fit with networks has converged, and its largest value relative to the
-  // cost.
+  // Change of the cost in one iteration below which a fit with networks has
+  // converged, and its largest value relative to the cost. The cost is a
+  // negative log-likelihood.
   double smallest_change = 0.03;
   double most_network_tolerance = 1e-2;
   // RMS of the residuals, in units of the noise levels, below which a fit has
@@ -173,11 +173,11 @@ struct EvidenceTuning {
   // Number of rounds for the decay of networks after the noise levels have
   // settled. The fit then runs to its tolerance.
   int rounds = 12;
-  // Limits for the end of a fit. It continues until the number of
-  // well-determined parameters has changed by less than the fraction `quiet` in
-  // quiet_rounds rounds, or until `rounds` more rounds have passed. A change
-  // above new_evidence shows another explanation of the data. Its unneeded
-  // weights must then shrink in turn.
+  // Limits for the end of a fit. It ends when the number of well-determined
+  // parameters has changed by less than the fraction `quiet` in quiet_rounds
+  // rounds. It also ends after `rounds` more rounds. A change above
+  // new_evidence shows another explanation of the data. Its unneeded weights
+  // must then shrink in turn.
   double quiet = 0.01;
   int quiet_rounds = 3;
   double new_evidence = 0.1;

@@ -1,4 +1,4 @@
-"""The extension module; what is public stands in the package around it."""
+"""Extension module of the package. The public names are in the modules around it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -60,9 +60,9 @@ struct DamageResult {
 //
 // The search has two parts. Changes of groups alone get 80 % of the false-alarm
 // rate. Masses and nonlinear forces at the places of options.search get the
-// rest. For the second part, the problems of the baselines and the new one are
-// linearised at their fits, with these masses and forces as further unknowns.
-// If one of them is found, the new records are identified again with it.
+// rest. For the second part, all problems are linearised at their fits, with
+// these masses and forces as further unknowns. If one of them is found, the new
+// records are identified again with it.
 //
 // The second part needs Baseline::fit, which is fitted first if necessary. If
 // it is missing, a remark says so.

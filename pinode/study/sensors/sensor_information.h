@@ -64,8 +64,8 @@ struct PlanningInformation {
 //
 // A candidate without given noise has the median sigma of the problem's own
 // sensors of its quantity. If there are none, sigma is 5 % of the RMS over all
-// candidates of this quantity, because sensors of one kind have the same noise
-// at all places. Noise of the excitation is not included.
+// candidates of this quantity. Sensors of one kind thus have the same noise at
+// all places. Noise of the excitation is not included.
 //
 // Returns false, with a sentence in *error, if
 //

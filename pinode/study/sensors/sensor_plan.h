@@ -82,9 +82,9 @@ struct SensorPlan {
 // Optimal Experiments, 1972). The plan uses one linearisation
 // (LinearizeSensors) and no fit.
 //
-// Returns false, with a sentence in *error, if LinearizeSensors fails, if there
-// are fewer candidates than requested sensors, or if a target is not a free
-// named parameter of the dynamics.
+// Returns false, with a sentence in *error, if LinearizeSensors fails or there
+// are fewer candidates than requested sensors. Also returns false if a target
+// is not a free named parameter of the dynamics.
 [[nodiscard]] bool PlanSensors(const IdentificationProblem& problem,
                                const IdentificationOptions& options,
                                const std::vector<OwnSensor>& own,
