@@ -41,9 +41,8 @@ struct ResponseRecord {
   // Checks the record. On failure returns false, and *error names the channel
   // and the violated rule. The rules are:
   // - The record has at least one channel, a positive step, and a row of
-  // samples
-  //   for each channel. Names of channels are unique. Derivatives are 0, 1
-  //   or 2.
+  //   samples for each channel. Names of channels are unique. Derivatives are
+  //   0, 1 or 2.
   // - In each row some samples are present, and they are not all equal.
   // - Inputs are finite, and as many as samples.
   [[nodiscard]] bool IsValid(std::string* error) const;
