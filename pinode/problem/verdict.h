@@ -82,7 +82,8 @@ struct Explanation {
   std::string what;
   // Kind for programs, one of "damping", "mass", "stiffness", "bound",
   // "nonlinear", "sensor_gain", "sensor_delay", "sensor_offset",
-  // "sensors_exchanged", "excitation_delay", "excitation_scale", "clock_rate".
+  // "sensors_exchanged", "excitation_delay", "excitation_scale",
+  // "clock_rate", "force_place".
   // Kinds of several unknowns are joined by "+".
   std::string kind;
   // Name of the DOF, group or sensor. Several are joined by "+". Empty: the
