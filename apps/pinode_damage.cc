@@ -105,7 +105,7 @@ void PrintChange(const DamageResult& result) {
               MakeChangeTable(result).ToText().c_str());
   const TextTable explanations = MakeChangeExplanationTable(result);
   if (!explanations.empty()) {
-    std::printf("Explanations that these records do not tell apart\n%s\n",
+    std::printf("Explanations that these records cannot tell apart\n%s\n",
                 explanations.ToText().c_str());
   }
   for (const std::string& remark : result.remarks) {

@@ -13,6 +13,8 @@ namespace {
 constexpr double kConfidence = 0.95;
 // Largest number of names in a sentence; the table has them all.
 constexpr size_t kMostNames = 4;
+// Largest number of rivals in a sentence; damage.json has them all.
+constexpr size_t kMostRivals = 3;
 // Share of the largest nonlinear force below which a force may be due to the
 // form of that one.
 constexpr double kMinorForce = 0.25;
@@ -92,7 +94,7 @@ std::string Describe(const ChangeSubject& subject) {
       if (!subject.place.empty()) return "the damping of " + subject.place;
       break;
     case ChangeKind::kStiffness:
-      if (subject.place == "rest") return "what is in no group";
+      if (subject.place == "rest") return "the stiffness in no group";
       if (!subject.place.empty()) return "spring " + subject.place;
       break;
   }
@@ -108,15 +110,37 @@ std::string Describe(const ChangeSubject& subject, const GroupChange& change) {
          ")";
 }
 
+// Joins the likeliest few of `rivals`, which are in this order, in a sentence
+// that begins with `begin`. None: empty.
+std::string RivalSentence(const std::string& begin,
+                          const std::vector<std::string>& rivals) {
+  std::vector<std::string> different;
+  for (const std::string& rival : rivals) {
+    if (std::find(different.begin(), different.end(), rival) ==
+        different.end()) {
+      different.push_back(rival);
+    }
+  }
+  if (different.empty()) return "";
+  std::string sentence = " " + begin;
+  if (different.size() > kMostRivals) {
+    sentence += ", the first " + std::to_string(kMostRivals) + " of " +
+                std::to_string(different.size());
+    different.resize(kMostRivals);
+  }
+  return sentence + ": " + Join(different) + ".";
+}
+
 std::string DescribeMissed(const MissedMotion& missed,
                            const std::string& found) {
-  return "These data cannot tell: something has changed that is none of what "
-         "was looked for. Of the motion of the new records the model misses " +
-         Percent(missed.last) + " that is no noise, of the healthy ones " +
+  return "These data cannot tell what has changed: none of the changes that "
+         "were looked for explains it. Of the motion of the new records " +
+         Percent(missed.last) +
+         " is unexplained and too large to be noise; of the baselines' " +
          Percent(missed.healthy) +
-         ": a sensor or its clock, gain or place, a load of another place, "
-         "time or size, or a change where no group is." +
-         (found.empty() ? "" : " What stands in for it: " + found + ".");
+         ". Check each sensor (clock, gain, place), each load (place, time, "
+         "size) and the structure where there is no group." +
+         (found.empty() ? "" : " A side effect, perhaps: " + found + ".");
 }
 
 // True for stiffness that is in no group. The healthy fits hold it as it is in
@@ -188,12 +212,17 @@ struct Findings {
 void AddRivals(const std::vector<ChangeSubject>& subjects,
                const ChangeEstimate& estimate, std::vector<Reason>* reasons,
                Findings* findings) {
-  for (const RivalChange& rival : estimate.rivals) {
+  std::vector<RivalChange> rivals = estimate.rivals;
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const RivalChange& a, const RivalChange& b) {
+                     return a.loss < b.loss;
+                   });
+  for (const RivalChange& rival : rivals) {
     const size_t found = static_cast<size_t>(rival.found);
     const size_t other = static_cast<size_t>(rival.other);
     if (!estimate.groups[found].changed) continue;
     const std::string text =
-        Describe(subjects[other]) + " for " + Describe(subjects[found]);
+        Describe(subjects[other]) + " instead of " + Describe(subjects[found]);
     if (subjects[found].kind == subjects[other].kind) {
       if (estimate.explanations.empty()) findings->instead.push_back(text);
       continue;
@@ -243,7 +272,7 @@ void AddExplanations(const std::vector<ChangeSubject>& subjects,
     if (losses) {
       findings->or_damaged.push_back(Join(texts));
     } else {
-      findings->or_else.push_back(Join(texts) + " with probability " +
+      findings->or_else.push_back(Join(texts) + " with a probability of " +
                                   percent(explanation.probability));
     }
   }
@@ -326,6 +355,13 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
   }
 }
 
+// Returns the end of a sentence on the changes that are no loss of stiffness.
+std::string OtherChanges(const Findings& findings) {
+  return (findings.other.size() > 1 ? "other changes were found: "
+                                    : "another change was found: ") +
+         Join(findings.other) + ".";
+}
+
 // Decides the verdict and its first sentence.
 void Decide(const Findings& findings, const ChangeOptions& options,
             Judgement* judgement) {
@@ -335,42 +371,42 @@ void Decide(const Findings& findings, const ChangeOptions& options,
     damaged += " or " + other;
   }
   const std::string lost =
-      damaged + " lost stiffness" +
-      (findings.has_large_loss ? "."
-                               : ", less than the threshold of " + threshold +
-                                     " but more than healthy records differ.");
+      damaged + " lost stiffness." +
+      (findings.has_large_loss
+           ? ""
+           : " This is below the threshold of " + threshold +
+                 ", but more than the baselines differ from each other.");
   if (!findings.nonlinear.empty()) {
     judgement->verdict = DamageVerdict::kNonlinear;
     judgement->sentence =
         "The structure has become nonlinear: " + Join(findings.nonlinear) + ".";
     if (!findings.minor.empty()) {
       judgement->sentence +=
-          " Smaller, and perhaps only what the form of that "
-          "leaves over: " +
+          " Smaller, and perhaps a side effect of the form assumed for the "
+          "largest force: " +
           Join(findings.minor) + ".";
     }
-    if (!findings.damaged.empty()) judgement->sentence += " Besides, " + lost;
+    if (!findings.damaged.empty()) judgement->sentence += " Also, " + lost;
   } else if (!findings.damaged.empty()) {
     judgement->verdict = DamageVerdict::kDamage;
     judgement->sentence = "Damage: " + lost;
     if (!findings.or_damaged.empty()) {
       judgement->sentence +=
-          " These records do not show which: their probabilities are " +
+          " These records do not determine which. The probabilities are " +
           findings.probabilities + ".";
     }
   } else if (!findings.other.empty() && findings.doubted.empty() &&
              findings.hidden.empty()) {
     judgement->verdict = DamageVerdict::kOtherChange;
-    judgement->sentence = "No loss of stiffness, but " + Join(findings.other) +
-                          (findings.other.size() > 1 ? " have" : " has") +
-                          " changed.";
+    judgement->sentence = "No loss of stiffness, but " + OtherChanges(findings);
   } else if (!findings.missed.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence = findings.missed;
   } else if (!findings.hidden.empty() || !findings.doubted.empty() ||
              !findings.unsure.empty() || !findings.unknown.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
-    judgement->sentence = "These data cannot tell.";
+    judgement->sentence =
+        "These data cannot tell whether any group lost stiffness.";
   } else {
     judgement->verdict = DamageVerdict::kNoDamage;
     judgement->sentence =
@@ -383,53 +419,44 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
   const bool is_open = !findings.doubted.empty() || !findings.hidden.empty();
   if ((!findings.damaged.empty() || !findings.nonlinear.empty() || is_open) &&
       !findings.other.empty()) {
-    sentence += " Also changed: " + Join(findings.other) + ".";
+    sentence += " Besides, " + OtherChanges(findings);
   }
   if (!findings.unsure.empty()) {
-    sentence += " Something has changed, perhaps " + Join(findings.unsure) +
-                ": another kind of change explains it nearly as well.";
+    sentence += " A change is possible, but the data allow another cause: " +
+                Join(findings.unsure) + ".";
   }
   if (!findings.hidden.empty()) {
-    sentence += " The model misses more of the motion than has changed: " +
+    sentence += " The unexplained motion is larger than the change of " +
                 Join(findings.hidden) +
-                ". What it misses depends on the motion; a second healthy "
-                "record, at the level of motion of the new one, would show by "
-                "how much.";
+                ". It depends on the level of motion. Add a baseline at the "
+                "level of the new record to see how much.";
   }
   if (!findings.doubted.empty()) {
     sentence +=
-        " The model lacks something, and what that may be reaches as far"
-        " as the change of " +
+        " The model lacks something, and its likeliest explanations leave the "
+        "change of " +
         Join(findings.doubted) +
-        "; see what the model may lack, or give a second healthy "
-        "record.";
+        " open. See what the model may lack, or add a second baseline.";
   }
   if (!findings.formal.empty()) {
     sentence +=
-        " Formally significant, but not beyond the threshold with certainty, "
-        "and " +
-        std::string(findings.has_between_records
-                        ? "the healthy fits hold them to be as in the model: "
-                        : "one healthy record does not show how much records "
-                          "differ: ") +
-        Join(findings.formal) + ".";
+        " Detectable, but not beyond the threshold with 95 % "
+        "certainty: " +
+        Join(findings.formal) +
+        (findings.has_between_records
+             ? ". The fits of the baselines hold the value of the "
+               "model, so its normal scatter is unknown."
+             : ". With one baseline the normal scatter is unknown.");
   }
   // A nonlinear force of another form than those tried leaves an error that
   // other subjects seem to explain. Which of them do it best is of no interest.
   // The same holds for side effects of causes that were not examined.
   if (judgement->verdict != DamageVerdict::kNonlinear &&
       findings.missed.empty()) {
-    if (!findings.ambiguous.empty()) {
-      sentence +=
-          " Nearly as good an explanation: " + Join(findings.ambiguous) + ".";
-    }
-    if (!findings.or_else.empty()) {
-      sentence += " Or instead: " + Join(findings.or_else) + ".";
-    }
-    if (!findings.instead.empty()) {
-      sentence +=
-          " Hardly told apart by these data: " + Join(findings.instead) + ".";
-    }
+    sentence += RivalSentence("Almost as likely", findings.ambiguous);
+    sentence += RivalSentence("Another explanation", findings.or_else);
+    sentence +=
+        RivalSentence("Hard to tell apart with these data", findings.instead);
   }
   if (!findings.unknown.empty()) {
     sentence += " A loss beyond the threshold is not ruled out in " +

@@ -45,7 +45,8 @@ TEST(JudgeChange, LossBeyondTheThresholdIsDamage) {
               ElementsAre(Reason::kBeyondThreshold, Reason::kNone,
                           Reason::kBeyondThreshold));
   EXPECT_THAT(judgement.sentence, HasSubstr("Damage: k1 (-10 %)"));
-  EXPECT_THAT(judgement.sentence, HasSubstr("Also changed: c (+30 %)"));
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("another change was found: c (+30 %)"));
 }
 
 // As between the two halves of one test on a real structure.
@@ -56,13 +57,14 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
   const Judgement one = Judge(groups, false);
   EXPECT_EQ(one.verdict, DamageVerdict::kNoDamage);
   EXPECT_EQ(one.reasons[0], Reason::kFormal);
-  EXPECT_THAT(one.sentence, HasSubstr("Formally significant"));
+  EXPECT_THAT(one.sentence,
+              HasSubstr("Detectable, but not beyond the threshold"));
   const Judgement several = Judge(groups, true);
   EXPECT_EQ(several.verdict, DamageVerdict::kDamage);
   EXPECT_EQ(several.reasons[0], Reason::kBetweenRecords);
   EXPECT_EQ(several.sentence,
-            "Damage: k1 (-3 %) lost stiffness, less than the threshold of 5 % "
-            "but more than healthy records differ.");
+            "Damage: k1 (-3 %) lost stiffness. This is below the threshold of "
+            "5 %, but more than the baselines differ from each other.");
   // Springs of no group are not compared between healthy records.
   std::vector<ChangeSubject> subjects = kSubjects;
   subjects[0].place = "u1-u2";
@@ -73,7 +75,7 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
       JudgeChange(subjects, estimate, ChangeOptions(), MissedMotion());
   EXPECT_EQ(spring.verdict, DamageVerdict::kNoDamage);
   EXPECT_EQ(spring.reasons[0], Reason::kFormal);
-  EXPECT_THAT(spring.sentence, HasSubstr("healthy fits hold them"));
+  EXPECT_THAT(spring.sentence, HasSubstr("fits of the baselines hold"));
 }
 
 TEST(JudgeChange, WhatCannotBeRuledOutIsSaid) {
@@ -93,7 +95,8 @@ TEST(JudgeChange, GainsAndDampingAreOtherChanges) {
             false);
   EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
   EXPECT_STREQ(DamageVerdictName(judgement.verdict), "other_change");
-  EXPECT_THAT(judgement.sentence, HasSubstr("k1 (+20 %) has changed"));
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("another change was found: k1 (+20 %)."));
   EXPECT_EQ(Judge({Change(0.0, 0.01, false), Change(0.0, 0.01, false),
                    Change(0.0, 0.5, false)},
                   false)
@@ -128,7 +131,7 @@ TEST_F(JudgeKinds, ANonlinearForceCountsByItsShare) {
   EXPECT_STREQ(DamageVerdictName(large.verdict), "nonlinear");
   EXPECT_THAT(large.sentence,
               HasSubstr("a nonlinear force at k1 (20 % of the restoring"));
-  EXPECT_THAT(large.sentence, HasSubstr("Besides, k1 (-10 %) lost stiffness"));
+  EXPECT_THAT(large.sentence, HasSubstr("Also, k1 (-10 %) lost stiffness"));
   // As sure to be there, but a hundredth of the force.
   estimate_.groups[0] = Change(0.0, 0.005, false);
   estimate_.groups[2] = Change(0.0, 0.02, false);
@@ -154,9 +157,9 @@ TEST_F(JudgeKinds, TheLargestForceIsNamedFirstAndSmallOnesApart) {
   estimate_.groups[3] = Change(0.5, 0.005, true);
   EXPECT_EQ(Judge().sentence,
             "The structure has become nonlinear: a nonlinear force at k2 "
-            "(30 % of the restoring force). Smaller, and perhaps only what the "
-            "form of that leaves over: a nonlinear force at k1 (6 % of the "
-            "restoring force).");
+            "(30 % of the restoring force). Smaller, and perhaps a side effect "
+            "of the form assumed for the largest force: a nonlinear force at "
+            "k1 (6 % of the restoring force).");
 }
 
 TEST_F(JudgeKinds, BesideANonlinearForceRivalsAreNotListed) {
@@ -166,7 +169,8 @@ TEST_F(JudgeKinds, BesideANonlinearForceRivalsAreNotListed) {
   subjects_[1].kind = ChangeKind::kNonlinear;
   const Judgement judgement = Judge();
   EXPECT_EQ(judgement.verdict, DamageVerdict::kNonlinear);
-  EXPECT_THAT(judgement.sentence, Not(HasSubstr("told apart")));
+  EXPECT_THAT(judgement.sentence, Not(HasSubstr("tell apart")));
+  EXPECT_THAT(judgement.sentence, Not(HasSubstr("as likely")));
   EXPECT_THAT(judgement.sentence, Not(HasSubstr("explanation")));
 }
 
@@ -188,7 +192,7 @@ TEST_F(JudgeKinds, AddedMassIsNoDamage) {
   const Judgement judgement = Judge();
   EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
   EXPECT_THAT(judgement.sentence,
-              HasSubstr("the mass at u1 (+20 %) has changed"));
+              HasSubstr("change was found: the mass at u1 (+20 %)."));
 }
 
 TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
@@ -197,12 +201,14 @@ TEST_F(JudgeKinds, ARivalOfAnotherKindLeavesTheVerdictOpen) {
   const Judgement judgement = Judge();
   EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
   EXPECT_EQ(judgement.reasons[0], Reason::kAmbiguous);
-  EXPECT_THAT(judgement.sentence, HasSubstr("perhaps k1 (-10 %)"));
-  EXPECT_THAT(judgement.sentence, HasSubstr("the mass at u1 for k1"));
+  EXPECT_THAT(judgement.sentence, HasSubstr("allow another cause: k1 (-10 %)"));
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("as likely: the mass at u1 instead of k1."));
   // With a rival of the same kind it is damage as well.
   subjects_[1] = {"k2", ChangeKind::kStiffness, "", "", 0.0};
   EXPECT_EQ(Judge().verdict, DamageVerdict::kDamage);
-  EXPECT_THAT(Judge().sentence, HasSubstr("told apart by these data: k2 for"));
+  EXPECT_THAT(Judge().sentence,
+              HasSubstr("apart with these data: k2 instead of k1"));
 }
 
 TEST_F(JudgeKinds, ExplanationsThatWereFittedStandBesideEachOther) {
@@ -223,12 +229,12 @@ TEST_F(JudgeKinds, ExplanationsThatWereFittedStandBesideEachOther) {
   EXPECT_EQ(judgement.verdict, DamageVerdict::kDamage);
   EXPECT_EQ(judgement.sentence,
             "Damage: k1 (-30 %) or k2 (-25 %) lost stiffness. These records do "
-            "not show which: their probabilities are 60 % and 40 %.");
+            "not determine which. The probabilities are 60 % and 40 %.");
   // A gain of stiffness is no loss.
   estimate_.explanations[1].changes[0].change = 0.25;
   EXPECT_EQ(Judge().sentence,
-            "Damage: k1 (-30 %) lost stiffness. Or instead: k2 (+25 %) with "
-            "probability 40 %.");
+            "Damage: k1 (-30 %) lost stiffness. Another explanation: k2 "
+            "(+25 %) with a probability of 40 %.");
 }
 
 TEST_F(JudgeKinds, ASmallNonlinearForceMakesNoStructureNonlinear) {
@@ -239,8 +245,8 @@ TEST_F(JudgeKinds, ASmallNonlinearForceMakesNoStructureNonlinear) {
   const Judgement judgement = Judge();
   EXPECT_EQ(judgement.verdict, DamageVerdict::kOtherChange);
   EXPECT_THAT(judgement.sentence,
-              HasSubstr("a nonlinear force at k3 (0.4 % of the restoring "
-                        "force) has changed"));
+              HasSubstr("another change was found: a nonlinear force at k3 "
+                        "(0.4 % of the restoring force)."));
 }
 
 // Unexplained motion of the new records of 7 %, instead of 1 %.
@@ -255,8 +261,10 @@ TEST(JudgeMissed, WhatStandsInForSomethingElseIsNoDamage) {
   EXPECT_EQ(judgement.reasons[0], Reason::kUnexplained);
   EXPECT_THAT(
       judgement.sentence,
-      HasSubstr("misses 7 % that is no noise, of the healthy ones 1 %"));
-  EXPECT_THAT(judgement.sentence, HasSubstr("stands in for it: k1 (-10 %)."));
+      HasSubstr("Of the motion of the new records 7 % is unexplained and too "
+                "large to be noise; of the baselines' 1 %."));
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("A side effect, perhaps: k1 (-10 %)."));
   // Rivals of a side effect are not reported.
   estimate.rivals = {{0, 1, 3.0}};
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).sentence,
@@ -334,7 +342,8 @@ TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
       JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
   EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
   EXPECT_EQ(judgement.reasons[0], Reason::kModelError);
-  EXPECT_THAT(judgement.sentence, HasSubstr("a second healthy record"));
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("Add a baseline at the level of the new record"));
 
   // Several baselines show how much that moves; a larger change is none of it.
   estimate.has_between_records = true;

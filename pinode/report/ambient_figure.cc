@@ -45,11 +45,11 @@ Figure MakeAmbientFigure(const ReportInput& input, int record) {
       hz * score.lowest_frequency, hz * score.highest_frequency,
       "Record '" + score.name +
           (score.by_measured_loads.size() > 0
-               ? "', what the response to the measured loads leaves of it"
+               ? "' without the response to the measured loads"
                : "'") +
-          ": spectral densities, means of neighbouring lines, and those of "
-          "the model with the band in which 95 % of the measured ones lie if "
-          "it is right.",
+          ": spectral densities (means of neighbouring lines), measured and of "
+          "the model. The band holds 95 % of the measured ones if the model is "
+          "right.",
       [&](int c, FigureScript* script) { DrawChannel(score, c, hz, script); });
 }
 

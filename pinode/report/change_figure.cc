@@ -182,13 +182,12 @@ Figure MakeParameterFigure(const ReportInput& input) {
   }
   figure.caption += ".";
   if (!without_scale.empty()) {
-    figure.caption +=
-        " Not drawn, because zero initially: " + Join(without_scale, ", ") +
-        ".";
+    figure.caption += " Not drawn, because the initial value is zero: " +
+                      Join(without_scale, ", ") + ".";
   }
   if (not_drawn > 0) {
     figure.caption +=
-        " " + Count(not_drawn, "further parameter") + " only in the table.";
+        " The table also has " + Count(not_drawn, "further parameter") + ".";
   }
   return figure;
 }

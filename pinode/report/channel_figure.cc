@@ -190,7 +190,7 @@ class ChannelPlot {
       curves.push_back(
           Lines(script_.Data({line.x, line.y}), style, titles ? title : ""));
     };
-    if (prior_.has_value()) add(*prior_, kPriorLine, "prior model");
+    if (prior_.has_value()) add(*prior_, kPriorLine, "initial model");
     add(measured_.values, kMeasuredLine, "measured");
     add(updated_, kUpdatedLine, "updated model");
     return curves;
@@ -239,19 +239,18 @@ Figure MakeChannelFigure(const ReportInput& input, int record, int channel,
   if (channel < static_cast<int>(score.channels.size())) {
     const ChannelScore& scored = score.channels[static_cast<size_t>(channel)];
     figure.caption += ", error " + ReadableNumber(100.0 * scored.nrmse, 3) +
-                      " %, prior model " +
+                      " %, initial model " +
                       ReadableNumber(100.0 * scored.prior_nrmse, 3) + " %";
   }
   figure.caption +=
-      ". Whole record above; its strongest part below on the left, the "
-      "residual (measured minus updated model) on the right";
+      ". Top: whole record. Bottom left: its strongest part. Bottom right: "
+      "residual (measured minus updated model).";
   if (plot.HasBand()) {
-    figure.caption += "; shaded: where 95 % of measurements are expected";
+    figure.caption += " Shaded: 95 % of measurements are expected here.";
   }
   if (plot.HasSigma()) {
-    figure.caption += ", with \u00b12\u03c3 of the noise dashed";
+    figure.caption += " Dashed: \u00b12\u03c3 of the noise.";
   }
-  figure.caption += ".";
   return figure;
 }
 

@@ -89,7 +89,7 @@ TextTable MakeChangeTable(const DamageResult& damage) {
              ? FormatNumber(std::round(1e3 * probability) / 1e3, 3)
              : "",
          !change.changed       ? ""
-         : StandsIn(damage, j) ? "stands in"
+         : StandsIn(damage, j) ? "may be a side effect"
                                : "changed"});
   }
   return table;
@@ -147,7 +147,7 @@ TextTable MakeProfileTable(const ReportInput& input) {
                    {"linear 95 %", Align::kDecimal},
                    {"profile 95 %", Align::kDecimal},
                    {"profile 99 %", Align::kDecimal},
-                   {"the data say", Align::kLeft}});
+                   {"result", Align::kLeft}});
   for (const ParameterProfile& profile : input.summary->profiles) {
     // Three digits of an interval correspond to two of its width.
     const auto interval = [&profile](double low, double high) {
@@ -167,10 +167,11 @@ TextTable MakeProfileTable(const ReportInput& input) {
     };
     std::string says = DeterminationName(profile.determination);
     if (!profile.combinations.empty()) {
-      says += "; what they hold on to: " + Join(profile.combinations, ", ");
+      says += "; determined together: " + Join(profile.combinations, ", ");
     }
-    if (profile.unsettled) says += "; not all refits converged, may be wider";
-    if (profile.found_lower) says += "; a better fit was met on the way";
+    if (profile.unsettled)
+      says += "; not all refits converged, so it may be wider";
+    if (profile.found_lower) says += "; a better fit was found on the way";
     table.AddRow({profile.name, ReadableNumber(profile.estimate, 5),
                   interval(profile.linear_lower95, profile.linear_upper95),
                   interval(profile.lower95, profile.upper95),
@@ -183,10 +184,10 @@ TextTable MakeExplanationTable(const ReportInput& input) {
   TextTable table({{"", Align::kLeft},
                    {"explanation", Align::kLeft},
                    {"P", Align::kDecimal},
-                   {"log10 of the odds", Align::kDecimal},
-                   {"removes of the error %", Align::kDecimal},
+                   {"log10 odds", Align::kDecimal},
+                   {"error removed %", Align::kDecimal},
                    {"moves most", Align::kLeft},
-                   {"by half-widths", Align::kDecimal}});
+                   {"shift", Align::kDecimal}});
   int number = 0;
   for (const Explanation& explanation : input.summary->explanations) {
     table.AddRow({std::to_string(++number), explanation.what,
@@ -203,8 +204,8 @@ TextTable MakeModeTable(const ReportInput& input) {
                    {"initial Hz", Align::kDecimal},
                    {"updated Hz", Align::kDecimal},
                    {"change %", Align::kDecimal},
-                   {"initial damping %", Align::kDecimal},
-                   {"updated damping %", Align::kDecimal},
+                   {"initial damping, % crit.", Align::kDecimal},
+                   {"updated damping, % crit.", Align::kDecimal},
                    {"MAC", Align::kDecimal}});
   int number = 0;
   const double hz = input.problem->description.HzPerModelFrequency();
@@ -302,14 +303,14 @@ TextTable MakeRecordTable(const ReportInput& input) {
   TextTable table({{"record", Align::kLeft},
                    {"role", Align::kLeft},
                    {"error %", Align::kDecimal},
-                   {"prior %", Align::kDecimal},
-                   {"error / prior", Align::kDecimal},
+                   {"initial %", Align::kDecimal},
+                   {"error / initial", Align::kDecimal},
                    {"", Align::kLeft}});
   for (const int i : HoldoutFirst(*input.summary)) {
     const RecordScore& record = input.summary->records[static_cast<size_t>(i)];
     std::string note;
     if (!record.finite) {
-      note = "free run not finite";
+      note = "simulation not finite";
     } else if (record.first_scored_sample > 0) {
       const IdentificationRecord& data =
           input.problem->records.at(static_cast<size_t>(i));
@@ -337,7 +338,7 @@ TextTable MakeSensorTable(const ReportInput& input) {
                    {"rmse", Align::kDecimal},
                    {"unit", Align::kLeft},
                    {"error %", Align::kDecimal},
-                   {"prior %", Align::kDecimal},
+                   {"initial %", Align::kDecimal},
                    {"noise %", Align::kDecimal},
                    {"in 95 % band", Align::kDecimal},
                    {"", Align::kLeft}});
@@ -370,7 +371,7 @@ TextTable MakeStageTable(const ReportInput& input) {
                    {"segments", Align::kDecimal},
                    {"iterations", Align::kDecimal},
                    {"largest gap", Align::kDecimal},
-                   {"free-run error %", Align::kDecimal},
+                   {"simulation error %", Align::kDecimal},
                    {"", Align::kLeft}});
   int number = 0;
   for (const StageRecord& stage : input.summary->stages) {
@@ -393,10 +394,11 @@ TextTable MakeExplainedValueTable(const ReportInput& input) {
          all[count].log_odds > all[0].log_odds - limits::kLogOdds) {
     ++count;
   }
-  std::vector<TextTable::Column> columns = {{"parameter", Align::kLeft},
-                                            {"as it is", Align::kDecimal}};
+  std::vector<TextTable::Column> columns = {
+      {"parameter", Align::kLeft}, {"model as it is", Align::kDecimal}};
   for (size_t e = 0; e < count; ++e) {
-    columns.push_back({"under " + std::to_string(e + 1), Align::kDecimal});
+    columns.push_back(
+        {"explanation " + std::to_string(e + 1), Align::kDecimal});
   }
   TextTable table(std::move(columns));
   if (count == 0) return table;
@@ -442,7 +444,7 @@ std::string ConsoleReport(const ReportInput& input) {
   const auto add = [&](const std::string& heading, const TextTable& table) {
     if (!table.empty()) text += "\n" + heading + "\n" + table.ToText();
   };
-  add("Free-run error (nrmse)", MakeRecordTable(input));
+  add("Error of the simulation (free run)", MakeRecordTable(input));
   add("Parameters", MakeParameterTable(input));
   add("What the model may lack", MakeExplanationTable(input));
   add("Parameters under these explanations", MakeExplainedValueTable(input));

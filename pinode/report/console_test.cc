@@ -127,8 +127,8 @@ TEST(Console, HasAllTables) {
   // Remarks found in the data before the fit.
   ASSERT_FALSE(example->problem.description.remarks.empty());
   EXPECT_EQ(Lines(text)[2], example->problem.description.remarks[0]);
-  for (const char* heading :
-       {"Usable.", "Free-run error", "Parameters", "Modes", "Sensors"}) {
+  for (const char* heading : {"Usable.", "Error of the simulation",
+                              "Parameters", "Modes", "Sensors"}) {
     EXPECT_THAT(text, HasSubstr(heading));
   }
   for (const std::string& line : Lines(text)) {
@@ -150,7 +150,8 @@ TEST(Console, ShowsChangesThatTheDataShow) {
   EXPECT_THAT(text, HasSubstr("not seen"));
   EXPECT_THAT(text, Not(HasSubstr("e+")));
   damage.judgement.reasons = {Reason::kUnexplained, Reason::kNone};
-  EXPECT_THAT(MakeChangeTable(damage).ToText(), HasSubstr("stands in"));
+  EXPECT_THAT(MakeChangeTable(damage).ToText(),
+              HasSubstr("may be a side effect"));
 }
 
 }  // namespace

@@ -132,13 +132,13 @@ Figure MakeConvergenceFigure(const ReportInput& input) {
   script.Line("unset multiplot");
   figure.script = script.text();
   figure.caption =
-      "Cost over the iterations; vertical lines separate the stages, the "
+      "Cost over the iterations. Vertical lines separate the stages; the "
       "numbers above are their longest segments in samples. The cost jumps "
       "where noise levels are estimated anew or segments merge. Rejected steps "
-      "of more than ten times the largest cost are drawn there.";
+      "above ten times the largest cost are drawn at that height.";
   if (two_panels) {
     figure.caption +=
-        " Below: error of the free run over the whole training records after "
+        " Below: error of the simulation of the whole training records after "
         "each stage.";
   }
   return figure;

@@ -24,7 +24,7 @@ std::string EquationUnit(const DiscoveredEquation& equation,
 std::string SourceOf(const DiscoveredEquation& equation) {
   return equation.source == DiscoveryOptions::Source::kNetwork
              ? "network " + equation.network
-             : "what smoothed records ask for beside the model";
+             : "the force that smoothed records need beside the model";
 }
 
 Figure MakeEquationFigure(const DiscoveredEquation& equation,
@@ -86,16 +86,16 @@ Figure MakeEquationFigure(const DiscoveredEquation& equation,
   }
   script.Line("unset multiplot");
   figure.script = script.text();
-  figure.caption = equation.output + " over each feature, along the training " +
-                   "records: the equation's terms in that feature (blue), and "
-                   "what they stand for, " +
-                   SourceOf(equation) + " less the other terms (grey)";
+  figure.caption =
+      equation.output +
+      " over each feature, along the training records. Blue: the "
+      "equation's terms in that feature. Grey: what they replace, " +
+      SourceOf(equation) + " minus the other terms.";
   const int left_out = static_cast<int>(features.size()) - panels;
   if (left_out > 0) {
     figure.caption +=
-        "; " + std::to_string(left_out) + " more features are not drawn";
+        " " + std::to_string(left_out) + " more features are not drawn.";
   }
-  figure.caption += ".";
   return figure;
 }
 
@@ -133,10 +133,10 @@ Figure MakeParetoFigure(const DiscoveredEquation& equation, int number) {
   }
   script.Line(plot);
   figure.script = script.text();
-  figure.caption = equation.output + ": what the best sets of so many of the " +
-                   std::to_string(equation.num_candidates) +
-                   " candidates leave over of " + SourceOf(equation) +
-                   (chosen.empty() ? "" : "; circled, what was chosen") + ".";
+  figure.caption = equation.output + ": remainder of " + SourceOf(equation) +
+                   " for the best set of each size, out of " +
+                   std::to_string(equation.num_candidates) + " candidates." +
+                   (chosen.empty() ? "" : " Circled: the chosen set.");
   return figure;
 }
 

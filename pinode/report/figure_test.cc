@@ -103,7 +103,7 @@ TEST_F(FigureTest, ShowsAChannelWithLabelsAndLegend) {
   const Figure figure = MakeChannelFigure(example_->input, 1, 2, Prior(1, 2));
   const std::string svg = Draw(figure);
   for (const char* text : {"a3, m/s\u00b2", "time, s", "residual, m/s\u00b2",
-                           "measured", "updated model", "prior model"}) {
+                           "measured", "updated model", "initial model"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(figure.caption,

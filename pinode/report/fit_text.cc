@@ -23,7 +23,7 @@ const char* TerminationSentence(Termination termination) {
     case Termination::kNoConvergence:
       return "not converged";
     case Termination::kInterrupted:
-      return "interrupted; the best so far is reported";
+      return "interrupted; this is the best result so far";
   }
   return "";
 }
@@ -47,7 +47,7 @@ std::vector<std::string> StrongCorrelations(
           -std::abs(correlation),
           summary.covariance_names[static_cast<size_t>(j)] + " and " +
               summary.covariance_names[static_cast<size_t>(i)] +
-              " are known together much better than each by itself "
+              " can hardly be told apart: only their combination is known well "
               "(correlation " +
               ReadableNumber(correlation, 3) + ").");
     }
@@ -66,7 +66,7 @@ std::string IterationsText(const IdentificationSummary& summary) {
   }
   if (summary.failed_evaluations > 0) {
     text += ", " + Count(summary.failed_evaluations, "trajectory") +
-            " that did not stay finite and was stepped back from";
+            " discarded because it was not finite";
   }
   return text;
 }
@@ -75,24 +75,24 @@ std::string IterationsText(const IdentificationSummary& summary) {
 
 std::string CovarianceSentence(const std::string& method) {
   if (method == "plain") {
-    return "plain: inverse of the Gauss-Newton Hessian. It takes the residuals "
-           "as independent from sample to sample.";
+    return "plain: inverse of the Gauss-Newton Hessian. It assumes that the "
+           "residuals of different samples are independent.";
   }
   if (method == "sandwich") {
-    return "block sandwich: residuals close in time are correlated, and the "
-           "intervals allow for it.";
+    return "block sandwich: the intervals allow for the correlation of "
+           "residuals that are close in time.";
   }
   if (method == "inflated") {
-    return "inflated: residuals close in time are correlated, and the "
-           "intervals are as if a sample came once per autocorrelation time.";
+    return "inflated: residuals close in time are correlated. The intervals "
+           "count one sample per autocorrelation time.";
   }
   if (method == "input noise") {
-    return "input noise: the noise of the measured excitation is carried "
-           "through the model into the intervals, beside that of the sensors.";
+    return "input noise: the intervals allow for the noise of the measured "
+           "excitation and of the sensors.";
   }
   if (method == "errors in variables") {
     return "errors in variables: the errors of the measured excitation are "
-           "unknowns of the fit, within the noise that the case gives it.";
+           "unknowns of the fit. The case gives their size.";
   }
   return method;
 }
@@ -100,10 +100,10 @@ std::string CovarianceSentence(const std::string& method) {
 std::vector<std::pair<std::string, std::string>> SolutionFacts(
     const IdentificationSummary& summary) {
   std::vector<std::pair<std::string, std::string>> facts = {
-      {"Outcome", std::string(TerminationSentence(summary.termination)) +
-                      (summary.message.empty() || summary.message == "converged"
-                           ? ""
-                           : " (" + summary.message + ")")},
+      {"Result", std::string(TerminationSentence(summary.termination)) +
+                     (summary.message.empty() || summary.message == "converged"
+                          ? ""
+                          : " (" + summary.message + ")")},
       {"Levenberg-Marquardt", IterationsText(summary)},
       {"Cost", ReadableNumber(summary.initial_cost, 5) + " \u2192 " +
                    ReadableNumber(summary.final_cost, 5)}};
@@ -114,22 +114,22 @@ std::vector<std::pair<std::string, std::string>> SolutionFacts(
                                      std::to_string(summary.num_starts) +
                                      " reached the lowest cost");
   }
-  facts.emplace_back(
-      "Time", Duration(summary.seconds) + ", of it derivatives " +
-                  Duration(summary.jacobian_seconds) + ", linear solver " +
-                  Duration(summary.linear_solver_seconds));
+  facts.emplace_back("Time", Duration(summary.seconds) + " (derivatives " +
+                                 Duration(summary.jacobian_seconds) +
+                                 ", linear solver " +
+                                 Duration(summary.linear_solver_seconds) + ")");
   if (!summary.stages.empty()) {
     facts.emplace_back(
         "Shooting",
         summary.records.empty() ? "no records of measured loads"
         : summary.single_shooting
-            ? "the last stage was a free run over each whole record"
-            : "the records stay cut into segments: the free run over "
-              "the whole record was not stable or not better");
+            ? "the last stage was a simulation of each whole record"
+            : "the records stay cut into segments: the simulation of the "
+              "whole record was not stable or not better");
     if (summary.largest_gap > 0.0) {
       facts.emplace_back("Largest gap between segments",
                          ReadableNumber(summary.largest_gap, 2) +
-                             " of the state's root mean square");
+                             " times the state's root mean square");
     }
   }
   if (!summary.covariance_method.empty()) {
@@ -147,8 +147,8 @@ std::vector<std::string> Limits(const IdentificationSummary& summary) {
   for (const ParameterEstimate& parameter : summary.parameters) {
     if (parameter.free && parameter.at_bound) {
       limits.push_back(parameter.name +
-                       " stopped at its bound: its interval means nothing, "
-                       "and the bound or the model should be questioned.");
+                       " stopped at its bound, so its interval means nothing. "
+                       "Check the bound and the model.");
     }
   }
   for (const std::string& sentence : StrongCorrelations(summary)) {
@@ -158,8 +158,8 @@ std::vector<std::string> Limits(const IdentificationSummary& summary) {
     if (profile.DiffersFromLinear()) {
       limits.push_back(
           profile.name +
-          ": the linear interval is off by more than a fifth, take that of "
-          "the profile.");
+          ": the linear interval is wrong by more than a fifth. Use the "
+          "interval of the profile.");
     }
   }
   return limits;
@@ -167,8 +167,7 @@ std::vector<std::string> Limits(const IdentificationSummary& summary) {
 
 std::string NoLimitsSentence(const IdentificationSummary& summary) {
   if (summary.covariance_method.empty()) {
-    return "There is no covariance, so nothing is known about what the data "
-           "determine.";
+    return "There is no covariance. It is unknown what the data determine.";
   }
   if (!Limits(summary).empty()) return "";
   return "The records determine every free named parameter, and no two of "

@@ -143,10 +143,8 @@ Figure MakeForceFigure(const ReportInput& input, int force) {
   figure.script = plot.Draw();
   figure.caption =
       estimate.name + ", the force identified in " +
-      RecordWithRole(input, estimate.record) +
-      "; on the right where it is largest" +
-      (plot.has_dots() ? ", the dots being the truth at its samples" : "") +
-      ".";
+      RecordWithRole(input, estimate.record) + ". Right: its largest part." +
+      (plot.has_dots() ? " Dots: the true force at its samples." : "");
   return figure;
 }
 

@@ -215,9 +215,8 @@ class PageMaker {
     const std::string& method = summary_.covariance_method;
     page_.set("interval_note",
               method.empty() ? Data(false)
-                             : Data("Intervals hold the true value with 95 % "
-                                    "probability if the model can be true at "
-                                    "all. Covariance, " +
+                             : Data("95 % intervals, valid if the form of the "
+                                    "model is right. Covariance, " +
                                     CovarianceSentence(method)));
     SetFigure("parameter_figure", figures_.parameters);
 
@@ -228,8 +227,8 @@ class PageMaker {
           "Network " + term.name + ": " + Count(term.weights.size(), "weight");
       if (architecture.gauge) {
         text +=
-            ", without value and slope at rest: stiffness and damping groups "
-            "over the same inputs mean the tangent at rest";
+            ". Its value and slope at rest are zero: stiffness and damping "
+            "groups over the same inputs are the tangent at rest";
       }
       networks.push_back(PageText(text + "."));
     }
@@ -238,8 +237,7 @@ class PageMaker {
       networks.push_back(PageText(
           "The data determine about " +
           ReadableNumber(summary_.effective_parameters, 3) +
-          " parameters in all, weights included; weight decay holds the "
-          "others."));
+          " parameters, weights included. Weight decay holds the others."));
     }
     page_.set("networks", networks);
   }
@@ -281,10 +279,10 @@ class PageMaker {
       Data data;
       data.set("name", equation.output);
       data.set("text", equation.terms.empty()
-                           ? "No term in place of " + SourceOf(equation) + "."
-                           : "In place of " + SourceOf(equation) + ", of " +
+                           ? "No term replaces " + SourceOf(equation) + "."
+                           : "These terms, chosen from " +
                                  Count(equation.num_candidates, "candidate") +
-                                 ":");
+                                 ", replace " + SourceOf(equation) + ":");
       SetIf("terms", !table.empty(), TableData(table), &data);
       data.set("figures", FigureList(figures_.equations[e]));
       equations.push_back(data);
@@ -334,8 +332,8 @@ class PageMaker {
       data.set("left_out",
                all ? Data(false)
                    : Data("The " + Count(history.num_left_out, "channel") +
-                          " with smaller errors are not drawn; the table of "
-                          "sensors has their scores."));
+                          " with smaller errors are not drawn. The table of "
+                          "sensors has their errors."));
       histories.push_back(data);
     }
     page_.set("histories", histories);

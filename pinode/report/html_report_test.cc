@@ -101,8 +101,8 @@ TEST(HtmlReport, ComesInTheOrderOfImportance) {
        {"Three-storey frame", "Usable. The updated model", "What changed",
         "How well the model predicts", "3.12", "Modes before and after",
         ">Records<", "Restoring forces", "How it was solved",
-        "What the data cannot tell", "Remarks about the data", "To reproduce",
-        "pinode_update --case="}) {
+        "What the data do not determine", "Remarks about the data",
+        "To reproduce", "pinode_update --case="}) {
     const size_t found = html.find(part, at);
     ASSERT_NE(found, std::string::npos) << part;
     at = found;
@@ -122,7 +122,7 @@ TEST(HtmlReport, HoldsTheNumbers) {
   for (const char* part :
        {"0.1994", "0.0020", "3.22 s", "block sandwich", "linear",
         "Not determined by these records: k2 - 0.98 k3.",
-        "c stopped at its bound", "k1 and spring1.k3 are known together",
+        "c stopped at its bound", "k1 and spring1.k3 can hardly be told apart",
         "correlation -0.970", "0.01 s is used", "24 iterations", "19 weights",
         "2.7433"}) {
     EXPECT_THAT(html, HasSubstr(part));
@@ -242,7 +242,7 @@ TEST(HtmlReport, ShowsEquations) {
   ExpectSelfContained(html);
   for (const char* text :
        {"<h2>Equations</h2>", "u&lt;1&gt;", "x[u1]^3", "-1.75", "0.030",
-        "of 34 candidates", "No term in place of network nn1"}) {
+        "from 34 candidates", "No term replaces network nn1"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_THAT(html, Not(HasSubstr("inclusion probability")));
@@ -256,7 +256,7 @@ TEST(HtmlReport, ShowsEquations) {
 
 TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {
   const auto example = testing::MakeReportExample();
-  const char* heading = "Forces that nobody measured";
+  const char* heading = "Unmeasured forces";
   EXPECT_THAT(RenderHtmlReport(example->input, WithoutGnuplot()),
               Not(HasSubstr(heading)));
   ForceEstimate force;
@@ -296,7 +296,7 @@ TEST(HtmlReport, ShowsProfiles) {
   ExpectSelfContained(html);
   EXPECT_THAT(html, HasSubstr(heading));
   EXPECT_THAT(html, HasSubstr(" to -"));
-  EXPECT_THAT(html, HasSubstr("one-sided; what they hold on to: a * b"));
+  EXPECT_THAT(html, HasSubstr("one-sided; determined together: a * b"));
   const Figure figure = MakeProfileFigure(profile, 3);
   EXPECT_EQ(figure.id, "profile3");
   EXPECT_THAT(figure.caption, HasSubstr("one-sided"));

@@ -89,7 +89,7 @@ std::string LoopCaption(const ReportInput& input,
   std::string caption = loop.term + " (" + type + ")";
   if (!loop.output.empty()) caption += ", " + loop.output;
   caption += loop.is_acceleration
-                 ? ": acceleration that the network adds, along "
+                 ? ": acceleration added by the network, along "
                  : ": resisting force along ";
   caption += RecordWithRole(input, loop.record);
   if (part.count < loop.force.size()) {

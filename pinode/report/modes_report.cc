@@ -144,24 +144,24 @@ TextTable MakeBandsTable(const ModesOfRecord& modes) {
 std::string MethodSentence(ModalMethod method) {
   switch (method) {
     case ModalMethod::kInputOutput:
-      return "Subspace identification with the measured loads: what they do to "
-             "the channels is projected out, models of all orders are read "
-             "from the rest. Intervals come from how the record's parts "
-             "differ.";
+      return "Subspace identification with the measured loads. Their effect on "
+             "the channels is projected out. Models of all orders are "
+             "identified from the rest. Intervals come from the differences "
+             "between parts of the record.";
     case ModalMethod::kRingDown:
       return "Free decay: the eigensystem realisation algorithm over models of "
-             "all orders. Intervals come from noise with the spectrum of what "
-             "decaying vibrations leave of the record, for a single decay has "
-             "no parts that could differ.";
+             "all orders. A single decay has no parts to compare. Intervals "
+             "therefore come from noise with the spectrum of the residual, "
+             "the record minus its decaying vibrations.";
     case ModalMethod::kDataDriven:
-      return "Data-driven stochastic subspace identification, under loads that "
-             "nobody measured: the future of the channels is projected on "
-             "their past. Intervals come from how the record's parts differ.";
+      return "Data-driven stochastic subspace identification under unmeasured "
+             "loads: the future of the channels is projected on their past. "
+             "Intervals come from the differences between parts of the record.";
     default:
-      return "Covariance-driven stochastic subspace identification, under "
-             "loads that nobody measured: models of all orders are read from "
-             "the correlations of the channels. Intervals come from how the "
-             "record's parts differ.";
+      return "Covariance-driven stochastic subspace identification under "
+             "unmeasured loads. Models of all orders are identified from the "
+             "correlations of the channels. Intervals come from the "
+             "differences between parts of the record.";
   }
 }
 
@@ -180,8 +180,8 @@ TextTable MakeExplainedTable(const ResponseRecord& record,
 
 std::string ModesSentence(const MergedModes& merged) {
   if (merged.modes.empty()) {
-    return "No mode was found: nothing in the records is seen alike by models "
-           "of different orders.";
+    return "No mode was found: models of different orders agree on none. Use "
+           "longer records or more sensors, or set the band of frequencies.";
   }
   const int count = static_cast<int>(merged.modes.size());
   return Count(count, "mode") +

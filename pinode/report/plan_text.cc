@@ -39,7 +39,7 @@ std::string StepsText(const IdentificationProblem& problem,
                    {"worst", Align::kDecimal},
                    {"of", Align::kLeft}});
   if (options.keep_own) {
-    AddStep("those that stay", "", plan.without, &table);
+    AddStep("present sensors", "", plan.without, &table);
   }
   const auto add = [&](const SensorPlan::Step& step, const char* before) {
     const auto i = static_cast<size_t>(step.candidate);
@@ -52,7 +52,7 @@ std::string StepsText(const IdentificationProblem& problem,
   for (const SensorPlan::Step& step : plan.steps) add(step, "");
   if (plan.next.candidate >= 0) add(plan.next, "one more: ");
   if (!plan.information.own.empty()) {
-    AddStep("the case's own " + std::to_string(plan.information.own.size()), "",
+    AddStep("the case's " + std::to_string(plan.information.own.size()), "",
             plan.own, &table);
   }
   return table.ToText();
@@ -89,7 +89,7 @@ std::string InvisibleText(const std::string& whose,
                           const std::vector<std::string>& undetermined) {
   std::string text;
   for (const std::string& direction : undetermined) {
-    text += whose + " cannot see: " + direction + ".\n";
+    text += whose + " do not determine: " + direction + ".\n";
   }
   return text;
 }
@@ -108,13 +108,14 @@ std::string PlanText(const IdentificationProblem& problem,
       (volume ? "largest determinant" : "smallest worst deviation") + " for " +
       Join(plan.targets, ", ") + "\n";
   text +=
-      "Deviations at the initial values with what each adds: typical is the "
-      "geometric mean over\nthe axes of their confidence region, worst the "
-      "largest of a single one; 10: no knowledge.\n\n";
+      "Expected standard deviation as sensors are added, at the initial "
+      "values; "
+      "10 means unknown.\ntypical: geometric mean over the axes of the "
+      "confidence region. worst: largest of one parameter.\n\n";
   text += StepsText(problem, candidates, options, plan);
   if (plan.num_exchanges > 0) {
-    text +=
-        "  (" + Count(plan.num_exchanges, "exchange") + " after one by one)\n";
+    text += "  (" + Count(plan.num_exchanges, "exchange") +
+            " after sensors were added one by one)\n";
   }
   text += "\nExpected uncertainty at the initial values (95 %)\n" +
           DeviationsText(plan) + "\n";

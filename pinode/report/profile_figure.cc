@@ -104,7 +104,7 @@ Figure MakeProfileFigure(const ParameterProfile& profile, int number) {
   figure.script = script.text();
   figure.caption = profile.name + ": " +
                    std::string(DeterminationName(profile.determination)) +
-                   ". Blue: all others fitted again at each point; grey: the "
+                   ". Blue: all others fitted again at each point. Grey: "
                    "parabola of the linear interval.";
   return figure;
 }

@@ -1,6 +1,7 @@
 #include "pinode/report/report.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -38,17 +39,18 @@ const char* HowWell(double nrmse) {
   return "poorly";
 }
 
-// "'r' well, with an error of 4 % (prior model: 20 %), 30 % of it noise".
+// "'r' well, with an error of 4 % (initial model: 20 %; noise explains 30 % of
+// the remaining error)".
 std::string Prediction(const RecordScore& record) {
   const double noise = NoiseShareOf(record);
   std::string text = Quoted(record.name) + " " + HowWell(record.nrmse) +
                      ", with an error of " + PercentOf(record.nrmse) +
-                     " (prior model: " + PercentOf(record.prior_nrmse) + ")";
+                     " (initial model: " + PercentOf(record.prior_nrmse);
   if (std::isfinite(noise)) {
-    text += ", whose energy is noise for " + ReadableNumber(100.0 * noise, 2) +
-            " %";
+    text += "; noise explains " + ReadableNumber(100.0 * noise, 2) +
+            " % of the remaining error";
   }
-  return text;
+  return text + ")";
 }
 
 // How well the measured modes are met, after a blank; empty without any.
@@ -66,12 +68,12 @@ std::string ModeSentence(const IdentificationSummary& summary) {
       least_mac = std::min(least_mac, mode.updated.mac);
     }
   }
-  std::string sentence = " Frequencies of the measured modes are met within " +
+  std::string sentence = " The model meets the measured frequencies within " +
                          PercentOf(updated) +
-                         " (prior model: " + PercentOf(initial) + ")";
+                         " (initial model: " + PercentOf(initial) + ")";
   if (std::isfinite(least_mac)) {
-    sentence +=
-        ", shapes with a MAC of at least " + ReadableNumber(least_mac, 4);
+    sentence += " and the shapes with a MAC of at least " +
+                ReadableNumber(least_mac, 4);
   }
   return sentence + ".";
 }
@@ -89,22 +91,32 @@ std::string WhatIsMissed(const IdentificationSummary& summary) {
     }
   }
   if (most == 0.0) return "";
-  return "Of the motion it was fitted to it misses " + PercentOf(most) +
-         " that is no noise. Intervals presume that the model lacks nothing: "
-         "look for what it does before relying on them.";
+  return "Of the measured motion " + PercentOf(most) +
+         " is unexplained and too large to be noise. The intervals assume a "
+         "complete model, and this one is not. Find the cause first.";
 }
 
 namespace {
 
-// "Usable with care: <findings>. "; empty for a good result.
+std::string Capitalized(std::string text) {
+  if (!text.empty()) {
+    text[0] = static_cast<char>(
+        std::toupper(static_cast<unsigned char>(text[0])));
+  }
+  return text;
+}
+
+// "Usable with care: <finding>. <Advice>. "; empty for a good result.
 std::string Cares(const Verdict& verdict) {
   if (verdict.grade() == Grade::kGood) return "";
-  std::vector<std::string> findings;
+  std::string text = std::string(GradeTitle(verdict.grade())) + ": ";
+  bool first = true;
   for (const Finding& finding : verdict.findings()) {
-    findings.push_back(finding.Sentence());
+    text += (first ? finding.what : Capitalized(finding.what)) + ". ";
+    if (!finding.advice.empty()) text += Capitalized(finding.advice) + ". ";
+    first = false;
   }
-  return std::string(GradeTitle(verdict.grade())) + ": " +
-         Join(findings, "; ") + ". ";
+  return text;
 }
 
 }  // namespace
@@ -149,7 +161,7 @@ std::string VerdictSentence(const ReportInput& input) {
            Join(records, ", ") +
            (least < kDoubtfulAmbientProbability
                 ? " differ from those of the model by a little more than "
-                  "chance; the intervals allow for it."
+                  "chance. The intervals allow for it."
                 : " differ from those of the model by no more than chance.") +
            ModeSentence(summary);
   }
@@ -160,8 +172,7 @@ std::string VerdictSentence(const ReportInput& input) {
     verdict += ".";
   }
   return verdict + ModeSentence(summary) +
-         " No record was held out, so nothing here shows how the model does on "
-         "data that it has not seen.";
+         " No record was held out, so the model is not tested on unseen data.";
 }
 
 std::string PinodeVersion() { return PINODE_VERSION; }

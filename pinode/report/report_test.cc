@@ -21,14 +21,15 @@ TEST(VerdictSentence, PutsTheHoldoutScoreFirst) {
   example->summary.records[1].prior_nrmse = 0.45;
   EXPECT_EQ(VerdictSentence(example->input),
             "Usable. The updated model predicts the hold-out record "
-            "'south_quake' well, with an error of 3.12 % (prior model: "
+            "'south_quake' well, with an error of 3.12 % (initial model: "
             "45.0 %).");
   for (ChannelScore& channel : example->summary.records[1].channels) {
     channel.nrmse = 0.0312;
     channel.noise_share = 0.25;
   }
-  EXPECT_THAT(VerdictSentence(example->input),
-              HasSubstr("45.0 %), whose energy is noise for 25 %."));
+  EXPECT_THAT(
+      VerdictSentence(example->input),
+      HasSubstr("45.0 %; noise explains 25 % of the remaining error)."));
   example->summary.records[1].nrmse = 0.6;
   EXPECT_THAT(VerdictSentence(example->input),
               HasSubstr("'south_quake' poorly, with"));
@@ -45,9 +46,10 @@ TEST(VerdictSentence, SaysWhatIsMissedBesideLittleNoise) {
     channel.noise_share = 0.13;
   }
   EXPECT_THAT(VerdictSentence(example->input),
-              HasSubstr("it misses 5.22 % that is no noise"));
+              HasSubstr("Of the measured motion 5.22 % is unexplained and too "
+                        "large to be noise."));
   for (ChannelScore& channel : train.channels) channel.noise_share = 0.6;
-  EXPECT_THAT(VerdictSentence(example->input), Not(HasSubstr("no noise")));
+  EXPECT_THAT(VerdictSentence(example->input), Not(HasSubstr("unexplained")));
 }
 
 TEST(VerdictSentence, SaysThatNothingWasHeldOut) {
@@ -68,14 +70,14 @@ TEST(VerdictSentence, SaysHowMeasuredModesAreMet) {
   mode.updated = {1, 2.0, 0.75};
   example->summary.modes.push_back(mode);
   EXPECT_THAT(VerdictSentence(example->input),
-              HasSubstr("Frequencies of the measured modes are met within "
-                        "0.500 % (prior model: 10.0 %), shapes with a MAC of "
-                        "at least 0.7500."));
+              HasSubstr("The model meets the measured frequencies within "
+                        "0.500 % (initial model: 10.0 %) and the shapes with a "
+                        "MAC of at least 0.7500."));
   for (ModeScore& score : example->summary.modes) {
     score.updated.mac = std::nan("");
   }
   EXPECT_THAT(VerdictSentence(example->input),
-              HasSubstr("(prior model: 10.0 %)."));
+              HasSubstr("(initial model: 10.0 %)."));
 }
 
 TEST(VerdictSentence, NamesEveryFinding) {
@@ -85,8 +87,8 @@ TEST(VerdictSentence, NamesEveryFinding) {
        "raise options.max_iterations"},
       {"negative_damping", "a mode has negative damping (-1 %)"}});
   EXPECT_EQ(VerdictSentence(example->input),
-            "Not usable: not converged after 200 iterations; raise "
-            "options.max_iterations; a mode has negative damping (-1 %).");
+            "Not usable: not converged after 200 iterations. Raise "
+            "options.max_iterations. A mode has negative damping (-1 %).");
 }
 
 TEST(VerdictSentence, OfWhatWasNeverJudged) {

@@ -70,7 +70,8 @@ class DrawingMaker {
   void NameGroups() {
     drawing_.colors.emplace_back(picture_.groups.empty() ? kUnchangedColor
                                                          : kNoGroupColor);
-    drawing_.told.emplace_back(picture_.groups.empty() ? "" : "Of no group.");
+    drawing_.told.emplace_back(picture_.groups.empty() ? ""
+                                                       : "Not in any group.");
     group_of_ = ShownGroups(picture_);
     for (int& group : group_of_) ++group;
     for (const StructurePicture::Group& group : picture_.groups) {
@@ -253,19 +254,20 @@ class DrawingMaker {
 
 std::string ChangeText(const StructurePicture& picture,
                        const StructurePicture::Group& group) {
-  if (!std::isfinite(group.change)) return group.name + ": not asked for";
+  if (!std::isfinite(group.change)) return group.name + ": not examined";
   std::string text = group.name + ": " + SignedPercent(group.change);
-  if (!picture.since_baseline) text += " against the model";
+  if (!picture.since_baseline) text += " relative to the initial model";
   if (std::isfinite(group.lower95) && std::isfinite(group.upper95)) {
     text += " (95 %: " + SignedPercent(group.lower95) + " to " +
             SignedPercent(group.upper95) + ")";
   }
   if (std::isfinite(group.probability)) {
-    text += ", a loss beyond " + FormatNumber(100.0 * picture.threshold, 3) +
-            " % with probability " + ProbabilityText(group.probability);
+    text += ", probability of a loss beyond " +
+            FormatNumber(100.0 * picture.threshold, 3) +
+            " %: " + ProbabilityText(group.probability);
   }
   if (!group.changed) {
-    text += picture.since_baseline ? "; no change that counts" : "";
+    text += picture.since_baseline ? "; no significant change" : "";
   }
   return text;
 }

@@ -140,18 +140,18 @@ std::string LegendHtml(const StructurePicture& picture,
   if (any_unchanged) {
     add(kUnchangedColor,
         picture.since_baseline
-            ? "groups without a change that counts"
-            : "groups as in the model, within their intervals");
+            ? "groups: no significant change"
+            : "groups: as in the initial model, within their intervals");
   }
   const std::vector<int> shown = ShownGroups(picture);
   if (!picture.groups.empty() &&
       std::find(shown.begin(), shown.end(), -1) != shown.end()) {
-    add(kNoGroupColor, "of no group");
+    add(kNoGroupColor, "not in any group");
   }
   if (!picture.sensors.empty()) add(kSensorColor, "sensors");
   if (!picture.forces.empty()) add(kForceColor, "measured forces");
   if (!picture.unknown_forces.empty()) {
-    add(kUnknownForceColor, "forces that nobody measured");
+    add(kUnknownForceColor, "unmeasured forces");
   }
   return html + "</ul>\n";
 }
@@ -170,9 +170,9 @@ std::string ControlsHtml(const StructurePicture& picture,
   return html +
          "</select></label> <label><input type=\"checkbox\" class=\"names\" "
          "checked> names</label> <button type=\"button\" "
-         "class=\"whole\">Whole view</button> <small>Drag, or arrow keys, to "
-         "turn; wheel (once it was clicked), or + and -, to zoom. One finger "
-         "turns sideways and scrolls the page up and down; two turn and "
+         "class=\"whole\">Whole view</button> <small>Drag to "
+         "rotate, scroll to zoom (click first). Keys: arrows, + and -. On a "
+         "touch screen, one finger rotates sideways, two rotate and "
          "zoom.</small></p>\n";
 }
 
@@ -244,21 +244,21 @@ std::string StructureSection(const StructurePicture& picture) {
   }
   if (turns) {
     html +=
-        "<noscript><p>Scripts are off in this browser: a still picture in "
-        "place of the view that turns.</p></noscript>\n"
+        "<noscript><p>Scripts are off in this browser, so this is a still "
+        "picture.</p></noscript>\n"
         "<p class=\"no-webgl\" hidden></p>\n";
   } else if (still && !can_turn) {
     html +=
         "<p class=\"no-webgl\">This pinode was built without three.js, "
-        "which the view that turns needs: a still picture in its place.</p>\n";
+        "so this is a still picture.</p>\n";
   } else {
     html += "<p class=\"no-webgl\">With " + std::to_string(size) +
             " triangles the structure is " +
-            (still ? "drawn as a still picture alone; a view that turns has "
-                   : "not drawn in this page, whose pictures have ") +
-            "at most " +
+            (still ? "drawn as a still picture only. The limit of the rotating "
+                     "view is "
+                   : "too large to be drawn in this page. The limit is ") +
             std::to_string(still ? kMostTriangles : kMostStillTriangles) +
-            ". structure.vtu has all of it.</p>\n";
+            ". Open structure.vtu to see all of it.</p>\n";
   }
   if (turns) html += ControlsHtml(picture, drawing);
   html += "<p class=\"told\" aria-live=\"polite\">&nbsp;</p>\n";

@@ -68,9 +68,9 @@ int Occurrences(const std::string& part, const std::string& text) {
 TEST(StructureViewTest, ChangesInWords) {
   const StructurePicture picture = TwoCubes();
   EXPECT_EQ(ChangeText(picture, picture.groups[1]),
-            "k<2>: -10.0 % (95 %: -12.0 % to -8.0 %), a loss beyond 5 % with "
-            "probability 0.98");
-  EXPECT_EQ(ChangeText(picture, picture.groups[0]), "k<1>: not asked for");
+            "k<2>: -10.0 % (95 %: -12.0 % to -8.0 %), probability of a loss "
+            "beyond 5 %: 0.98");
+  EXPECT_EQ(ChangeText(picture, picture.groups[0]), "k<1>: not examined");
 }
 
 TEST(StructureViewTest, StillPicture) {
@@ -189,7 +189,7 @@ TEST(StructureViewTest, LargeStructuresStayStill) {
   }
   const std::string html = StructureSection(picture);
   EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EXPECT_THAT(html, HasSubstr("still picture alone"));
+  EXPECT_THAT(html, HasSubstr("still picture only"));
   EXPECT_THAT(html, HasSubstr("<svg"));
   for (int i = 0; i < 10000; ++i) {
     picture.geometry.elements.push_back({ElementShape::kLine, {0, 10}});

@@ -223,7 +223,7 @@ grep -q "^Not determined by these records: .*per_degree" stdout ||
   Fail "a slope from one temperature"
 Run 0 pinode_damage --baseline=alone --case=winter.toml --output_dir=open \
   --progress=false
-grep -q "^Not determined by baseline 'alone': .*would not be seen" stdout ||
+grep -q "^Not determined by baseline 'alone': .*nothing is seen" stdout ||
   Fail "nothing of what the baseline leaves open"
 sed '/record.covariate/,$d' winter.toml >forgotten.toml
 Refused "no record has a covariate" --case=forgotten.toml --output_dir=E

@@ -148,8 +148,8 @@ mv train.csv away.csv
 sed -e 's|"train.csv"|"away.csv"|' damaged.toml >moved.toml
 Run 0 pinode_damage --baseline=D --case=moved.toml --output_dir=moved \
   --progress=false
-grep -qF 'were not told apart' stdout || Fail "nothing is said of kinds"
-grep -qF 'were not told apart' moved/damage.json || Fail "no remark"
+grep -qF 'could not be told apart' stdout || Fail "nothing is said of kinds"
+grep -qF 'could not be told apart' moved/damage.json || Fail "no remark"
 mv away.csv train.csv
 
 # What is wrong is said before anything is written.

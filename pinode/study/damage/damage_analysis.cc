@@ -93,7 +93,7 @@ class Analyst {
         LookForKinds(&why) && (found_.empty() || IdentifyWithFound(&why));
     if (!why.empty()) {
       result_.remarks.push_back(
-          "Kinds of change were not told apart from one another: " + why + ".");
+          "The kinds of change could not be told apart: " + why + ".");
     }
     if (!kinds) {
       found_.clear();
@@ -225,8 +225,8 @@ class Analyst {
   bool Conclude(bool kinds, std::string* error) {
     if (!verdict_.usable()) {
       *error =
-          "the fit is not usable, and no change of another kind explains "
-          "what it misses";
+          "the fit to the new records is not usable, and no change of another "
+          "kind explains the remaining motion";
       return false;
     }
     for (const GroupTerm& term : problem_.dynamics->groups()) {
@@ -277,12 +277,12 @@ class Analyst {
     if (missed.IsMore() &&
         result_.judgement.verdict != DamageVerdict::kCannotTell) {
       result_.remarks.push_back(
-          "Of the motion of the new records the model misses " +
+          "Of the motion of the new records " +
           FormatNumber(100.0 * missed.last, 2) +
-          " % that is no noise, of the healthy ones " +
+          " % is unexplained and too large to be noise; of the baselines' " +
           FormatNumber(100.0 * missed.healthy, 2) +
-          " %: a part of what has changed is none of the kinds that were "
-          "looked for, and small changes may stand in for it.");
+          " %. A part of the change is of a kind that was not looked for. "
+          "Small changes may be side effects.");
     }
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
@@ -300,8 +300,8 @@ class Analyst {
     for (const std::string& direction : directions) {
       result_.remarks.push_back("Not determined by " + records + ": " +
                                 direction +
-                                ". A change of all of these together would not "
-                                "be seen.");
+                                ". If all of these change together, nothing "
+                                "is seen.");
     }
   }
 
@@ -498,18 +498,17 @@ class Analyst {
         continue;
       }
       texts.push_back(groups_[j] + " " + FormatNumber(100.0 * free, 3) +
-                      " % in place of " +
+                      " % instead of " +
                       FormatNumber(100.0 * change.change, 3) + " %");
     }
     if (texts.empty()) return;
     result_.remarks.push_back(
-        "The table of parameters is of a fit with all groups free, that of "
-        "changes of one with the changed ones alone. With all groups free it "
-        "is " +
+        "The two tables differ. The table of parameters comes from a fit with "
+        "all groups free, the table of changes from one in which only the "
+        "changed groups are free. With all groups free: " +
         Join(texts, ", ") +
-        ". Such a fit spreads a change over groups that the records do not "
-        "tell "
-        "apart; rely on the table of changes.");
+        ". Rely on the table of changes: with all groups free, a change "
+        "spreads over groups that the records cannot tell apart.");
   }
 
   void TakeOver(const ExplainedChange& explained) {

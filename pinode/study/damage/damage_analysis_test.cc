@@ -222,7 +222,8 @@ TEST_F(AnalyseDamageTest, SaysWhereHealthyRecordsDoNotFit) {
   ASSERT_TRUE(Analyse(*damaged_, {baseline}, options, &result, &error))
       << error;
   ASSERT_FALSE(result.remarks.empty());
-  EXPECT_THAT(result.remarks[0], HasSubstr("Kinds of change were not told"));
+  EXPECT_THAT(result.remarks[0],
+              HasSubstr("kinds of change could not be told"));
   EXPECT_EQ(result.judgement.verdict, DamageVerdict::kDamage);
 }
 
