@@ -31,15 +31,17 @@ std::string ModelChoice::Sentence() const {
       kept.push_back(name);
     }
   }
-  std::string text = complete ? "Model choice: " : "Model choice, cut off: ";
+  std::string text =
+      complete ? "Model choice: " : "Model choice (interrupted): ";
   text += std::to_string(candidates.size()) + " candidates, " +
           std::to_string(kept.size()) + " kept";
   if (!kept.empty()) text += " (" + Join(kept, ", ") + ")";
-  text += "; left out: " + (left_out.empty() ? "none" : Join(left_out, ", "));
-  if (steps.empty()) return text + ".";
+  text +=
+      ". Left out: " + (left_out.empty() ? "none" : Join(left_out, ", ")) + ".";
+  if (steps.empty()) return text;
   std::vector<std::string> parts;
   for (const Step& step : steps) parts.push_back(StepText(step));
-  return text + "; change of the criterion by each step: " + Join(parts, "; ") +
+  return text + " Change of the criterion by each step: " + Join(parts, "; ") +
          ".";
 }
 

@@ -77,8 +77,8 @@ struct ExplainedValue {
 // the model describes the records better. All unknowns were fitted again with
 // them.
 struct Explanation {
-  // Description with its values, such as "damping of the whole structure by one
-  // factor, +31 (29 to 33) %".
+  // Description with its values, such as "all damping by one factor, +31 (29
+  // to 33) %".
   std::string what;
   // Kind for programs, one of "damping", "mass", "stiffness", "bound",
   // "nonlinear", "sensor_gain", "sensor_delay", "sensor_offset",

@@ -121,7 +121,8 @@ TEST(Console, LeavesOutWhatAFailureLacks) {
 
 TEST(Console, HasAllTables) {
   const auto example = testing::MakeReportExample();
-  example->summary.remarks = {"Sensor 'a3': mounted upside down, gain -0.98."};
+  example->summary.remarks = {
+      "Sensor 'a3' is mounted upside down: gain = -0.98."};
   const std::string text = ConsoleReport(example->input);
   EXPECT_EQ(Lines(text)[1], example->summary.remarks[0]);
   // Remarks found in the data before the fit.

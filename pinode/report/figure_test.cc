@@ -280,7 +280,7 @@ TEST_F(FigureTest, ShowsAnEquationOverEachFeature) {
   for (const char* text : {"x[u1], m", "v[u1], m/s", "u1, m/s\u00b2"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
-  EXPECT_THAT(figure.caption, HasSubstr("network nn1 less the other terms"));
+  EXPECT_THAT(figure.caption, HasSubstr("network nn1 minus the other terms"));
   // At the first sample: -2 x^3 = 2 and -0.3 v = -0.3, each by itself, beside
   // what the network has beyond the other, 0.01 more.
   for (const char* text :
@@ -329,17 +329,18 @@ TEST_F(FigureTest, ShowsAForceWithItsBandAndTheTruth) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(figure.caption,
-              AllOf(HasSubstr("blow"), HasSubstr("right where it is largest")));
+              AllOf(HasSubstr("blow"), HasSubstr("Right: its largest part.")));
   // The close-up is about the blow: 2 s are no part of its axis.
   EXPECT_THAT(figure.script, HasSubstr("set xrange [0:2]"));
   EXPECT_THAT(figure.script, HasSubstr("set xrange [0.4"));
-  EXPECT_THAT(figure.caption, Not(HasSubstr("dots")));
+  EXPECT_THAT(figure.caption, Not(HasSubstr("Dots")));
   // A truth of few samples there says nothing of what is between them.
   const Vector times = Vector::LinSpaced(201, 0.0, 2.0);
   example_->problem.description.force_truths = {
       {"blow", times, Vector::Ones(201)}};
   const Figure coarse = MakeForceFigure(example_->input, 0);
-  EXPECT_THAT(coarse.caption, HasSubstr("dots being the truth at its samples"));
+  EXPECT_THAT(coarse.caption,
+              HasSubstr("Dots: the true force at its samples."));
   EXPECT_THAT(coarse.script, HasSubstr("with points"));
   EXPECT_THAT(Draw(coarse), HasSubstr("truth"));
 }

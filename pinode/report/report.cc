@@ -100,8 +100,8 @@ namespace {
 
 std::string Capitalized(std::string text) {
   if (!text.empty()) {
-    text[0] = static_cast<char>(
-        std::toupper(static_cast<unsigned char>(text[0])));
+    text[0] =
+        static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   }
   return text;
 }

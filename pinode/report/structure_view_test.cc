@@ -112,7 +112,7 @@ TEST(StructureViewTest, SectionHoldsAllThatItNeeds) {
   EXPECT_EQ(Occurrences("</script>", html), 3);
   EXPECT_THAT(html, HasSubstr("a<\\/script>1"));
   EXPECT_THAT(html, HasSubstr("mode 1, 2.5"));
-  EXPECT_THAT(html, HasSubstr("with probability 0.98"));
+  EXPECT_THAT(html, HasSubstr("beyond 5 %: 0.98"));
   EXPECT_THAT(html, HasSubstr(ThreePacked()));
   // The name space of the still picture.
   EXPECT_EQ(Occurrences("http", html), 1);

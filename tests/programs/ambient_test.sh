@@ -135,7 +135,7 @@ for scale in 2.0 -1.0; do
   sed "s/^  column = \"F\"/&\n  scale = $scale/" both.toml >wrong.toml
   Run 1 pinode_update --case=wrong.toml --output_dir=wrong --progress=false \
     --overwrite
-  grep -q "measured loads of record 'wind' leaves still goes with it" stdout ||
+  grep -q "its measured loads, still follows these loads" stdout ||
     Fail "a force that is $scale of itself"
 done
 for key in 'sigma = 1.0' 'scale = {initial = 1.0}'; do

@@ -171,8 +171,8 @@ TEST_F(CandidatesTest, CheckpointsKnowWhatIsLeftOut) {
   EXPECT_TRUE(read.choice.steps[0].accepted);
   EXPECT_EQ(read.choice.steps[0].criterion(), 1.0 / 3.0 - 7.0);
   EXPECT_EQ(read.choice.Sentence(),
-            "Model choice, cut off: 3 candidates, 2 kept (nl.x[u1]^3, "
-            "nl.v[u1]^3); left out: slip; change of the criterion by each "
+            "Model choice (interrupted): 3 candidates, 2 kept (nl.x[u1]^3, "
+            "nl.v[u1]^3). Left out: slip. Change of the criterion by each "
             "step: without slip -6.67.");
   // Without what it has left out its parameters are too few.
   written.choice = ModelChoice();

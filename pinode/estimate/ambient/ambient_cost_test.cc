@@ -202,7 +202,8 @@ TEST(AmbientCostTest, LoadsThatExplainEverythingAreSaid) {
   ASSERT_EQ(summary.ambient.size(), 1u);
   EXPECT_FALSE(summary.usable());
   EXPECT_LT(summary.ambient[0].most_information_left, 0.01);
-  EXPECT_THAT(summary.message, HasSubstr("'wind' explain all that it shows"));
+  EXPECT_THAT(summary.message,
+              HasSubstr("loads explain all of ambient record 'wind'"));
   ASSERT_FALSE(summary.remarks.empty());
   EXPECT_THAT(summary.remarks.back(), HasSubstr("'k1'"));
 }

@@ -258,8 +258,8 @@ TEST(AmbientMeanFigures, AWrongLoadIsSeen) {
     const IdentificationSummary summary = Fitted(wrong);
     EXPECT_FALSE(summary.usable()) << factor;
     EXPECT_THAT(summary.message,
-                HasSubstr("the response to the measured loads of record "
-                          "'wind' leaves still goes with it"));
+                HasSubstr("the rest of record 'wind', without the response to "
+                          "its measured loads, still follows these loads"));
   }
 }
 

@@ -73,7 +73,8 @@ void SeeNothing(const ParameterLayout& layout, ProblemAssessment* assessment) {
     assessment->undetermined.push_back(parameter.name);
   }
   assessment->remarks.push_back(
-      "No training record has a load, and all begin at rest: nothing moves.");
+      "No training record has a load and all begin at rest, so nothing moves. "
+      "Give a load or an initial state.");
 }
 
 }  // namespace

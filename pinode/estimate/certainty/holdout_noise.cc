@@ -80,8 +80,8 @@ std::string HoldoutNoiseRemark(const IdentificationRecord& record,
   }
   if (changes.empty()) return "";
   return "Record '" + record.name +
-         "': noise in multiples of that in training, by its samples beyond "
-         "the frequencies of the motion: " +
+         "': noise relative to training, measured above the frequencies of "
+         "the motion: " +
          Join(changes, ", ") + ".";
 }
 

@@ -102,8 +102,8 @@ TEST_F(HoldoutNoiseTest, IsToldInASentence) {
   const Vector train = Vector::Constant(1, 0.02);
   EXPECT_EQ(HoldoutNoiseRemark(problem_.records[1], train, train), "");
   EXPECT_EQ(HoldoutNoiseRemark(problem_.records[1], train, 1.25 * train),
-            "Record 'holdout': noise in multiples of that in training, by its "
-            "samples beyond the frequencies of the motion: a 1.25.");
+            "Record 'holdout': noise relative to training, measured above the "
+            "frequencies of the motion: a 1.25.");
 }
 
 }  // namespace

@@ -169,8 +169,8 @@ bool ProfileParameters(const IdentificationProblem& problem,
   if (!problem.IsValid(error)) return false;
   if (summary.covariance_method == "errors in variables") {
     *error =
-        "errors of the excitation were unknowns of the fit: profiles are of "
-        "fits that take it as exact (covariance = \"plain\" or \"sandwich\")";
+        "profiles need a fit that takes the excitation as exact, but its "
+        "errors were unknowns; set covariance = \"plain\" or \"sandwich\"";
     return false;
   }
   const ParameterLayout layout(problem);

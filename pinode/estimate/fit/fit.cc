@@ -207,8 +207,8 @@ void Fit::FitInputNoise() {
     best_.cost = fit.cost;
     input_noise_ = std::move(fit);
   } else if (!interrupted()) {
-    LOG(WARNING) << "the noise of the excitation enters the intervals alone: "
-                    "with the excitation's errors as unknowns, "
+    LOG(WARNING) << "The noise of the excitation enters only the intervals. "
+                    "The fit with its errors as unknowns failed: "
                  << error;
   }
 }

@@ -61,30 +61,31 @@ void CheckPrediction(const RecordScore& score, Findings* findings) {
   if (!score.finite) {
     findings->push_back(
         {"free_run_not_finite",
-         "the free run of record '" + score.name + "' is not finite"});
+         "the simulation of record '" + score.name + "' is not finite", kNaN,
+         kNaN,
+         "check units, masses and stiffnesses, and give the groups bounds"});
   } else if (score.nrmse >= no_motion) {
     findings->push_back(
         {"no_better_than_no_motion",
-         Text("record '", score.name, "' is predicted no better (nrmse ",
-              score.nrmse, ") than by no motion at all (1)"),
+         Text("the model predicts record '", score.name, "' no better (nrmse ",
+              score.nrmse, ") than no motion at all (nrmse 1)"),
          score.nrmse, no_motion});
   } else if (train ? score.nrmse >= score.prior_nrmse
                    : score.nrmse > score.prior_nrmse) {
     findings->push_back(
         {"no_better_than_initial_model",
-         Text("record '", score.name, "' is not predicted better (nrmse ",
-              score.nrmse, ") than by the initial model (", score.prior_nrmse,
-              ")"),
+         Text("the model does not predict record '", score.name,
+              "' better (nrmse ", score.nrmse, ") than the initial model (",
+              score.prior_nrmse, ")"),
          score.nrmse, score.prior_nrmse});
   } else if (train && StructuredError(score) > limits::kUnexplained) {
     findings->push_back(
         {kUnexplainedMotion,
-         "the model misses " + PercentText(score.nrmse) +
-             " of the motion of record '" + score.name +
-             "', and noise does not explain it",
+         PercentText(score.nrmse) + " of the motion of record '" + score.name +
+             "' is unexplained, and noise is not the reason",
          StructuredError(score), limits::kUnexplained,
-         "look for a load or a sensor of the wrong size, sign, place or time, "
-         "for damping that is far off, or for something that the model lacks"});
+         "check size, sign, place and time of each load and sensor, and the "
+         "damping; or find what the model lacks"});
   }
 }
 
@@ -92,7 +93,7 @@ void CheckLinearTerms(const FitSummary& fit, Findings* findings) {
   const double error = TrainingError(fit);
   if (!(error > limits::kLinearTermsTolerance * fit.linear_error)) return;
   findings->push_back({"worse_than_linear_terms",
-                       "the training records are predicted worse than by the "
+                       "the model predicts the training records worse than its "
                        "linear terms alone",
                        error, fit.linear_error});
 }
@@ -104,11 +105,11 @@ void CheckLearnedForce(const FitSummary& fit, Findings* findings) {
   findings->push_back(
       {"force_not_learned",
        "the network leaves " + PercentText(left) +
-           " of the training records unexplained: its force is not the "
-           "missing one",
+           " of the training records unexplained: it has not learned the "
+           "missing force",
        left, limits::kUnexplainedByNetwork,
-       "try another 'seed' of the network, more hidden units, or inputs that "
-       "it lacks"});
+       "try another 'seed' of the network, more hidden units, or more "
+       "inputs"});
 }
 
 void CheckHoldouts(const FitSummary& fit, Findings* findings) {
@@ -123,9 +124,9 @@ void CheckHoldouts(const FitSummary& fit, Findings* findings) {
     if (!much && !(unexplained > limits::kUnexplainedOfHoldout)) continue;
     findings->push_back(
         {"does_not_carry_over",
-         "the result does not carry over: hold-out record '" + score.name +
-             "' is predicted with an error of " + PercentText(score.nrmse) +
-             ", the training records with " + PercentText(training),
+         "the result does not carry over to hold-out record '" + score.name +
+             "': its error is " + PercentText(score.nrmse) +
+             ", that of the training records " + PercentText(training),
          much ? score.nrmse : unexplained,
          much ? largest : limits::kUnexplainedOfHoldout});
   }
@@ -148,10 +149,10 @@ void CheckFrequencyUnit(const FitSummary& fit, Findings* findings) {
   findings->push_back(
       {"frequencies_of_another_unit",
        "the measured frequencies are " + FormatNumber(ratio, 2) +
-           " times those of the initial model: radians per second in place of "
-           "cycles, a model whose masses and stiffnesses are in other units "
-           "than its time, or another structure",
-       ratio, limits::kFrequencyScale});
+           " times those of the initial model",
+       ratio, limits::kFrequencyScale,
+       "check three things: frequencies in Hz and not in rad/s, masses and "
+       "stiffnesses in the units of the model, the right structure"});
 }
 
 // A fit that holds a mode against the wrong one of the model has moved
@@ -165,11 +166,11 @@ void CheckModePartners(const FitSummary& fit, Findings* findings) {
   if (2 * used <= measured && used < fit.num_model_modes) {
     findings->push_back(
         {"modes_without_partner",
-         "of " + std::to_string(measured) + " measured modes only " +
-             std::to_string(used) +
-             " are like any of the initial model: wrong units, places or signs "
-             "of sensors, or another structure",
-         static_cast<double>(used), static_cast<double>(measured) / 2.0});
+         "only " + std::to_string(used) + " of " + std::to_string(measured) +
+             " measured modes are like a mode of the initial model",
+         static_cast<double>(used), static_cast<double>(measured) / 2.0,
+         "check units, the places and signs of the sensors, and that the model "
+         "is of this structure"});
   }
   for (const ModeScore& mode : fit.modes) {
     if (!mode.InUse()) continue;
@@ -183,12 +184,12 @@ void CheckModePartners(const FitSummary& fit, Findings* findings) {
                                     : "without a frequency";
     findings->push_back(
         {"mode_lost",
-         "no mode of the model that was found is like measured mode '" +
-             mode.name + "' (the nearest: " + nearest +
+         "no mode of the updated model is like measured mode '" + mode.name +
+             "' (the nearest: " + nearest +
              (std::isfinite(mode.updated.mac)
                   ? ", MAC " + FormatNumber(mode.updated.mac, 2)
                   : "") +
-             "): it may be none of the structure's, or paired wrongly",
+             "); it may be no mode of the structure, or paired wrongly",
          unlike ? mode.updated.mac : distance,
          unlike ? limits::kModeMac : limits::kModeDistance,
          "leave it out, give its shape at more DOFs, or begin from a better "
@@ -213,20 +214,21 @@ void CheckFrequencies(const FitSummary& fit, Findings* findings) {
   if (after > limits::kFrequencyError) {
     findings->push_back(
         {"frequencies_not_met",
-         "measured frequencies are met within no less than " +
-             PercentText(after) +
-             ": sensors in another order, a sensor's sign, place or direction, "
-             "or groups that cannot make the model like the structure",
-         after, limits::kFrequencyError});
+         "the largest error of a measured frequency is still " +
+             PercentText(after),
+         after, limits::kFrequencyError,
+         "check the order, sign, place and direction of the sensors, and "
+         "whether the groups can make the model like the structure"});
   } else if (after > grown) {
     findings->push_back(
         {"frequencies_worse",
-         "measured frequencies are met within " + PercentText(after) +
-             ", by the initial model within " + PercentText(before) +
+         "the updated model meets the measured frequencies within " +
+             PercentText(after) + ", the initial model within " +
+             PercentText(before) +
              ": shapes and frequencies contradict each other",
          after, grown,
-         "check each sensor's sign, place and direction, and standard "
-         "deviations that are too small"});
+         "check the sign, place and direction of each sensor, and whether "
+         "standard deviations are too small"});
   }
 }
 
@@ -273,13 +275,13 @@ void CheckGroupsOfAmbientRecords(const FitSummary& fit, Findings* findings) {
   if (hidden.empty()) return;
   findings->push_back(
       {"groups_not_determined",
-       (told == 0 ? "none of " + Join(hidden, ", ") + " can be told"
-                  : Join(hidden, ", ") + " cannot be told") +
-           ": the unmeasured loads explain the ambient records as well as they "
-           "do",
+       (told == 0 ? "none of " + Join(hidden, ", ") + " is" : "not") +
+           " determined by the data" +
+           (told == 0 ? "" : ": " + Join(hidden, ", ")) +
+           "; the unmeasured loads explain the ambient records as well",
        static_cast<double>(told), static_cast<double>(hidden.size()),
-       "use fewer knots or loads, more sensors, or a band that modes of the "
-       "structure are in"});
+       "use fewer knots or loads, more sensors, or a band with modes of the "
+       "structure"});
 }
 
 // Ambient records alone must tell something of the structure that their loads
@@ -293,15 +295,14 @@ void CheckLoadsDoNotExplainAll(const FitSummary& fit, Findings* findings) {
     }
   }
   const AmbientScore& first = fit.ambient.front();
-  findings->push_back(
-      {"loads_explain_all",
-       "the unmeasured loads of ambient record '" + first.name +
-           "' explain all that it shows: with them unknown at most " +
-           PercentText(first.most_information_left) +
-           " of what it says of the groups is left, so that none of them can "
-           "be told",
-       first.most_information_left, limits::kAnyInformationLeft,
-       "use fewer knots or loads, or more sensors"});
+  findings->push_back({"loads_explain_all",
+                       "the unmeasured loads explain all of ambient record '" +
+                           first.name +
+                           "', so it determines no group: at most " +
+                           PercentText(first.most_information_left) +
+                           " of its information on the groups is left",
+                       first.most_information_left, limits::kAnyInformationLeft,
+                       "use fewer knots or loads, or more sensors"});
 }
 
 void CheckSpectra(const FitSummary& fit, Findings* findings) {
@@ -309,23 +310,22 @@ void CheckSpectra(const FitSummary& fit, Findings* findings) {
     if (score.coherence_probability < limits::kSpectrumProbability) {
       findings->push_back(
           {"measured_loads_not_explained",
-           Text("what the response to the measured loads of record '",
-                score.name, "' leaves still goes with it (probability ",
-                score.coherence_probability,
-                " that it does by chance): a load or a sensor of the wrong "
-                "size, sign, time or place, loads from before the record, or "
-                "modes that the model lacks"),
-           score.coherence_probability, limits::kSpectrumProbability});
+           Text("the rest of record '", score.name,
+                "', without the response to its measured loads, still follows "
+                "these loads (probability of chance ",
+                score.coherence_probability, ")"),
+           score.coherence_probability, limits::kSpectrumProbability,
+           "check size, sign, time and place of each load and sensor; or there "
+           "are loads from before the record, or modes that the model lacks"});
     } else if (score.probability < limits::kSpectrumProbability) {
       findings->push_back(
           {"spectra_not_described",
            Text("the model does not describe the spectra of ambient record '",
-                score.name, "' (probability ", score.probability,
-                " of such a difference by chance, most between ",
-                score.worst_from, " and ", score.worst_to,
-                " cycles per unit of time): modes that it lacks, loads "
-                "elsewhere, or a spectrum finer than its knots"),
-           score.probability, limits::kSpectrumProbability});
+                score.name, "' (probability of chance ", score.probability,
+                ", worst between ", score.worst_from, " and ", score.worst_to,
+                " cycles per unit of time)"),
+           score.probability, limits::kSpectrumProbability,
+           "add modes to the model, move or add loads, or use more knots"});
     }
   }
 }
@@ -350,8 +350,8 @@ void CheckModalCost(const FitSummary& fit, Findings* findings) {
   }
   findings->push_back(
       {"modes_not_met_better",
-       Text("the measured modes are not met better (cost ",
-            fit.final_modal_cost, ") than by the initial model (",
+       Text("the updated model does not meet the measured modes better (cost ",
+            fit.final_modal_cost, ") than the initial model (",
             fit.initial_modal_cost, ")"),
        fit.final_modal_cost, fit.initial_modal_cost});
 }
@@ -367,10 +367,9 @@ bool IsOfFrequenciesAlone(const FitSummary& fit) {
 
 Finding OtherSolution(const FitSummary& fit) {
   return {"other_solution",
-          "another solution describes what was measured nearly as well: " +
+          "another solution describes the data almost as well: " +
               fit.other_solution,
-          kNaN, kNaN,
-          "more sensors, bounds or priors have to tell which it is"};
+          kNaN, kNaN, "add sensors, bounds or priors to decide between them"};
 }
 
 void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
@@ -378,7 +377,7 @@ void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
   if (fit.largest_gap > gaps.closed) {
     findings->push_back({"open_gaps",
                          Text("gaps between segments stayed open (",
-                              fit.largest_gap, " of the state's RMS)"),
+                              fit.largest_gap, " times the RMS of the state)"),
                          fit.largest_gap, gaps.closed});
   }
   if (!fit.other_solution.empty() && !IsOfFrequenciesAlone(fit)) {
@@ -387,16 +386,15 @@ void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
   if (fit.stalled) {
     findings->push_back(
         {"stalled",
-         Text("the fit came to a halt short of a minimum (cosine of the "
-              "gradient ",
+         Text("the fit stopped before a minimum (cosine of the gradient ",
               fit.gradient_cosine, ")"),
          fit.gradient_cosine, kNaN, "try options.multistart"});
   } else if (fit.termination == Termination::kNoConvergence) {
-    findings->push_back(
-        {"not_converged",
-         Text("not converged after ", fit.num_iterations, " iterations"),
-         static_cast<double>(fit.num_iterations), kNaN,
-         "raise options.max_iterations"});
+    findings->push_back({"not_converged",
+                         Text("the fit has not converged after ",
+                              fit.num_iterations, " iterations"),
+                         static_cast<double>(fit.num_iterations), kNaN,
+                         "raise options.max_iterations"});
   }
 }
 
@@ -418,9 +416,9 @@ void CheckFollowedChannel(const FitSummary& fit, Findings* findings) {
       {"force_follows_channel",
        "an unknown force follows channel '" + fit.followed_channel +
            "' of record '" + fit.followed_record +
-           "' nearly sample by sample, so that the channel's noise cannot be "
+           "' sample by sample, so the noise of the channel cannot be "
            "estimated",
-       kNaN, kNaN, "give its sigma"});
+       kNaN, kNaN, "give the `sigma` of the channel"});
 }
 
 }  // namespace
@@ -474,13 +472,14 @@ std::vector<Finding> CheckMeasuredFrequencies(
       !(worst > limits::kFrequencyMet)) {
     return {};
   }
-  return {{"frequencies_far_off",
-           "measured frequencies are off by " + FormatNumber(ratio, 3) +
-               " times their standard deviations, the worst by " +
-               PercentText(worst),
-           ratio, limits::kFrequencyDeviations,
-           "begin nearer to the structure, set 'multistart', or check modes, "
-           "groups and standard deviations"}};
+  return {
+      {"frequencies_far_off",
+       "the errors of the measured frequencies are " + FormatNumber(ratio, 3) +
+           " times their standard deviations, the worst error is " +
+           PercentText(worst),
+       ratio, limits::kFrequencyDeviations,
+       "start from a better model, set 'multistart', or check modes, groups "
+       "and standard deviations"}};
 }
 
 std::vector<Finding> CheckDoubts(const FitSummary& fit) {
@@ -495,11 +494,11 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
     if (!(unexplained > limits::kLittleUnexplained)) continue;
     findings.push_back(
         {kUnexplainedMotion,
-         "the model misses " + PercentText(unexplained) +
-             " of the motion of record '" + score.name + "' beyond its noise",
+         PercentText(unexplained) + " of the motion of record '" + score.name +
+             "' is unexplained and too large to be noise",
          unexplained, limits::kLittleUnexplained,
-         "look for what it lacks before relying on the intervals, which reach "
-         "as far as an explanation does only where one was found",
+         "find the cause first: the intervals allow for it only where an "
+         "explanation was found",
          Grade::kWithCare});
   }
   return findings;

@@ -54,10 +54,10 @@ void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
 void SetTermination(const Fit& fit, FitSummary* summary) {
   if (fit.interrupted()) {
     summary->termination = Termination::kInterrupted;
-    summary->message = "interrupted; best so far";
+    summary->message = "interrupted; this is the best result so far";
   } else if (summary->stalled) {
     summary->termination = Termination::kNoConvergence;
-    summary->message = "came to a halt short of a minimum";
+    summary->message = "stopped before a minimum";
   } else if (fit.converged()) {
     summary->termination = Termination::kConverged;
     summary->message = "converged";

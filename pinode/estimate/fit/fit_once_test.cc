@@ -110,8 +110,8 @@ TEST(Identify, NamesAnOffsetThatNobodyLooksFor) {
   chain.Run();
   ASSERT_EQ(chain.summary.remarks.size(), 1u);
   EXPECT_THAT(chain.summary.remarks[0],
-              HasSubstr("what sensor 'a1' reads beyond the model is mostly a "
-                        "constant"));
+              HasSubstr("the difference between sensor 'a1' and the model is "
+                        "mostly a constant"));
 }
 
 TEST(Identify, SingleShootingAndJetsAgreeWithTheDefault) {

@@ -60,11 +60,11 @@ void ReportGrowingMotion(const IdentificationProblem& problem,
                  " Hz"
            : std::string()) +
       " has negative " + (stiffness ? "stiffness" : "damping") +
-      " in the matrices found";
+      " in the identified matrices";
   if (HasFreeGroupOf(dynamics, stiffness ? MatrixGroup::Target::kStiffness
                                          : MatrixGroup::Target::kDamping)) {
     summary->growing_motion_advice =
-        "give the groups of that matrix a 'lower' bound or a 'prior_sigma'";
+        "give the groups of this matrix a 'lower' bound or a 'prior_sigma'";
   }
 }
 

@@ -42,7 +42,7 @@ TEST(GrowingMotion, NamesWhatTheMatricesLetGrow) {
   parameters[parameters.size() - 1] = -2.0;
   ReportGrowingMotion(problem, parameters, &summary);
   EXPECT_THAT(summary.growing_motion,
-              HasSubstr("Hz has negative damping in the matrices found"));
+              HasSubstr("Hz has negative damping in the identified matrices"));
   EXPECT_THAT(summary.growing_motion_advice, HasSubstr("'lower' bound"));
 }
 

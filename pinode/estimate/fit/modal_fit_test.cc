@@ -259,7 +259,7 @@ TEST(ModalIdentify, WidensIntervalsWhereModesAreNotMet) {
     }
     fit.Run();
     ASSERT_EQ(fit.summary.remarks.size(), 1u);
-    EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are met worse than"));
+    EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are larger than their"));
     for (size_t j = 0; j < 3; ++j) {
       const ParameterEstimate& p = fit.summary.parameters[j];
       covered += p.lower95 < truth[static_cast<int>(j)] &&
@@ -295,7 +295,7 @@ TEST(ModalIdentify, LeavesPriorsAsTheyAre) {
   }
   fit.Run();
   ASSERT_EQ(fit.summary.remarks.size(), 1u);
-  EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are met worse than"));
+  EXPECT_THAT(fit.summary.remarks[0], HasSubstr("are larger than their"));
   EXPECT_NEAR(fit.summary.parameters[2].sigma, 0.05, 1e-6);
   EXPECT_GT(fit.summary.parameters[0].sigma, 0.003);
 }

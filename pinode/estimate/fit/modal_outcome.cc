@@ -57,9 +57,11 @@ std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
     if (!mode.InUse()) names.push_back("'" + mode.name + "'");
   }
   if (names.empty()) return "";
-  return "Of the measured modes the fit does not use " + Join(names, ", ") +
-         ": the model before has no mode that is like it in shape and "
-         "frequency and is not another measured mode's.";
+  return "The fit does not use the measured " +
+         std::string(names.size() == 1 ? "mode " : "modes ") +
+         Join(names, ", ") +
+         ". The initial model has no mode of this shape and frequency that is "
+         "not paired with another measured mode.";
 }
 
 // Returns half the sum of squares of the modal residuals; infinite if they
@@ -110,8 +112,8 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
     // of 48.
     *known = false;
     summary->remarks.push_back(
-        "Modes held against each other by their MAC give no intervals; form = "
-        "'eigenvector_difference' with standard deviations does.");
+        "A comparison of modes by their MAC gives no intervals. For intervals "
+        "set form = 'eigenvector_difference' and give standard deviations.");
     return;
   }
   if (!modes->data().HasSigmas()) {
@@ -126,12 +128,12 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
   }
   *known = ScaleToResiduals(free, left, modes, covariance);
   summary->remarks.push_back(
-      "The measured modes are met worse than their standard deviations say "
-      "(chi^2 " +
+      "The errors of the measured modes are larger than their standard "
+      "deviations say (chi^2 " +
       FormatNumber(2.0 * cost / left, 3) +
-      " per degree of freedom): the model lacks something, or they are too "
-      "small. The parameters' standard deviations are taken from what is left, "
-      "and are " +
+      " per degree of freedom). The model lacks something, or the standard "
+      "deviations are too small. Those of the parameters follow the errors and "
+      "are " +
       FormatNumber(std::sqrt(2.0 * cost / left), 3) + " times as large.");
 }
 

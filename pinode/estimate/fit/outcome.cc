@@ -160,10 +160,10 @@ std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
           residuals.tail(residuals.size() - score.first_scored_sample));
       const ChannelScore& of = score.channels[c];
       if (std::abs(mean) < kMostly * of.rmse || of.nrmse < kSome) continue;
-      remarks.push_back("Record '" + score.name + "': what sensor '" + of.name +
-                        "' reads beyond the model is mostly a constant (" +
-                        FormatNumber(mean, 3) +
-                        "); its 'offset' may be left free.");
+      remarks.push_back(
+          "Record '" + score.name + "': the difference between sensor '" +
+          of.name + "' and the model is mostly a constant (" +
+          FormatNumber(mean, 3) + "). Consider to leave its 'offset' free.");
     }
   }
   return remarks;
@@ -267,10 +267,11 @@ std::string WhatLoadsHide(const AmbientScore& score) {
     }
   }
   if (hidden.empty()) return "";
-  return "Ambient record '" + score.name + "': of " + Join(hidden, ", ") +
-         " less than " + FormatNumber(100.0 * limits::kAnyInformationLeft, 2) +
-         " % of what it would say with known loads is left; other loads "
-         "explain it as well.";
+  return "Ambient record '" + score.name + "' does not determine " +
+         Join(hidden, ", ") + ": less than " +
+         FormatNumber(100.0 * limits::kAnyInformationLeft, 2) +
+         " % of the information with known loads is left. Other loads explain "
+         "it as well.";
 }
 
 void ReportAmbient(const Vector& free, const Objective& objective,

@@ -241,7 +241,7 @@ std::unique_ptr<Fit> Better(Way* one, const std::string& one_name, Way* other,
       (swap ? other_name : one_name) + " (error " + Percent(best->error()) +
       "); " + (swap ? one_name : other_name) +
       (rest->exhausted()
-           ? ": left off, for it took too long"
+           ? ": stopped because it took too long"
            : (std::isfinite(rest->error()) ? ": error " + Percent(rest->error())
                                            : std::string(": nothing finite")));
   return best->Take(outcome);
@@ -352,7 +352,7 @@ std::unique_ptr<Fit> RunNetworks(const IdentificationProblem& problem,
   }
   Way again(problem, options, 0);
   again.Run(first.fit().BestParameters(), nullptr);
-  return Better(&again, "training from what the linear terms alone have given",
+  return Better(&again, "training that starts from the linear terms alone",
                 &staged, "training from the beginning", outcome);
 }
 

@@ -79,7 +79,7 @@ bool DifferentiateMode(const UndampedModes& modes, int j,
       std::ostringstream message;
       message << "modes " << std::min(j, k) + 1 << " and " << std::max(j, k) + 1
               << " of the model have the same frequency, and a free group "
-                 "mixes their shapes: there are no derivatives; begin with "
+                 "mixes their shapes, so there are no derivatives; start from "
                  "slightly different values of the groups";
       *error = message.str();
       return false;
@@ -379,8 +379,9 @@ bool ModalCost::EvaluateDynamicResiduals(
       factor.compute(unmeasured);
       if (factor.rank() < unmeasured.cols()) {
         *error = "mode '" + mode.name +
-                 "': what was not measured of its shape cannot be found from "
-                 "the model: there its dynamic stiffness is singular";
+                 "': the model does not determine the unmeasured part of its "
+                 "shape, because its dynamic stiffness is singular there; "
+                 "measure more DOFs";
         return false;
       }
       psi(shape.unmeasured) = -factor.solve(

@@ -417,8 +417,8 @@ std::string DelayRemark(const IdentificationProblem& problem,
   return "All sensors are " + std::string(mean > 0.0 ? "late" : "early") +
          " by the same time, " +
          Value(std::abs(mean), problem.description.units.time) +
-         ", as if the excitation were " + (mean > 0.0 ? "early" : "late") +
-         ": is it by another clock?";
+         ". Probably the excitation is " + (mean > 0.0 ? "early" : "late") +
+         ": check its clock.";
 }
 
 }  // namespace
@@ -442,8 +442,8 @@ std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
     const double value = parameters[responses.ScaleIndex(scale)];
     if (!HasTurned(parameter.value, value)) continue;
     remarks.push_back("'" + parameter.name +
-                      "': the force acts against the sign of its column, " +
-                      "scale " + Value(value, parameter.unit) + ".");
+                      "': the force acts against the sign of its column: " +
+                      "scale = " + Value(value, parameter.unit) + ".");
   }
   const int first = dynamics.num_parameters();
   std::vector<std::string> turned;
@@ -459,8 +459,9 @@ std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
         continue;
       }
       turned.push_back(name);
-      remarks.push_back("Sensor '" + name + "': mounted upside down, gain " +
-                        Value(value, gain.unit) + ".");
+      remarks.push_back(
+          "Sensor '" + name +
+          "' is mounted upside down: gain = " + Value(value, gain.unit) + ".");
     }
   }
   const std::string delays = DelayRemark(problem, parameters);
@@ -479,17 +480,16 @@ std::vector<std::string> SignRemarks(const IdentificationProblem& problem,
   if (against.empty()) return remarks;
   if (static_cast<int>(against.size()) == known) {
     remarks.push_back(
-        "All channels go against the model's response to the excitation: " +
+        "All channels have the opposite sign of the model's response: " +
         Join(against, ", ") +
-        ". Is the sign of the excitation right, or the model's direction?");
+        ". Check the sign of the excitation and the direction of the model.");
     return remarks;
   }
   for (const std::string& channel : against) {
     remarks.push_back("Channel " + channel +
-                      " goes against the model's response to the excitation, "
-                      "as if the sensor were mounted upside down: expected "
-                      "sign = -1, or an unknown gain = {free = true}, whose "
-                      "sign is found.");
+                      " has the opposite sign of the model's response. It is "
+                      "probably upside down: set sign = -1, or "
+                      "gain = {free = true} to find the sign.");
   }
   return remarks;
 }

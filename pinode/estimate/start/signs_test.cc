@@ -198,10 +198,10 @@ TEST(Signs, RemarksOnSensorsThatGoAgainstTheModel) {
   EXPECT_THAT(Frame(change, 1.0, {1.0, 1.0, 1.0}, 1.0, 6).Remarks(), IsEmpty());
   EXPECT_THAT(Frame(change, 1.0, {1.0, 1.0, -1.0}, 1.0, 6).Remarks(),
               ElementsAre(AllOf(HasSubstr("Channel 'a3' (agreement -0."),
-                                HasSubstr("mounted upside down"),
+                                HasSubstr("probably upside down"),
                                 HasSubstr("sign = -1"))));
   EXPECT_THAT(Frame(change, 1.0, {-1.0, -1.0, -1.0}, 1.0, 6).Remarks(),
-              ElementsAre(HasSubstr("All channels go against")));
+              ElementsAre(HasSubstr("All channels have the opposite sign")));
   // One whose gain is unknown takes no part.
   Frame frame(change, 1.0, {1.0, 1.0, -1.0}, 1.0, 6);
   frame.AddGain(2);
@@ -228,10 +228,10 @@ TEST(Signs, FitOfAScaleAndAGain) {
   EXPECT_NEAR(model.parameters[0], 0.0, 1e-6);
   EXPECT_NEAR(model.parameters[1], -2.5, 1e-6);
   EXPECT_NEAR(model.parameters[2], -1.3, 1e-6);
-  EXPECT_THAT(
-      summary.remarks,
-      ElementsAre(AllOf(HasSubstr("'scale.force_u3'"), HasSubstr("scale -2.5")),
-                  "Sensor 'a3': mounted upside down, gain -1.3."));
+  EXPECT_THAT(summary.remarks,
+              ElementsAre(AllOf(HasSubstr("'scale.force_u3'"),
+                                HasSubstr("scale = -2.5")),
+                          "Sensor 'a3' is mounted upside down: gain = -1.3."));
 }
 
 }  // namespace

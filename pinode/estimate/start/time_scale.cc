@@ -107,8 +107,8 @@ std::string ReadIn(const IdentificationProblem& problem,
 std::string Question(const IdentificationProblem& problem,
                      const IdentificationRecord& record, double periods,
                      double wanted) {
-  return ReadIn(problem, record) + ", are they in " +
-         LikelyUnit(TimeUnitOf(problem, record), periods, wanted) + "?";
+  return ReadIn(problem, record) + ". Check whether they are in " +
+         LikelyUnit(TimeUnitOf(problem, record), periods, wanted) + ".";
 }
 
 std::string Mode(const IdentificationProblem& problem, const char* which,
@@ -151,8 +151,8 @@ bool IsTimeScalePossible(const IdentificationProblem& problem,
         "record '" + record.name + "' lasts " +
         FormatNumber(duration * fastest, 2) + " periods of the model's " +
         Mode(problem, "fastest", fastest) +
-        ", in which nothing swings: " + ReadIn(problem, record) +
-        " and are likely to be in " +
+        ", too few for any vibration: " + ReadIn(problem, record) +
+        ", but are probably in " +
         LikelyUnit(TimeUnitOf(problem, record), duration * slowest, kLikely);
     return false;
   }
@@ -182,11 +182,10 @@ std::vector<std::string> TimeScaleRemarks(
                         Mode(problem, "slowest elastic", slowest) + ": " +
                         Question(problem, record, lasts, kLikely));
     } else if (apart > kSparse * further) {
-      remarks.push_back("Record '" + record.name +
-                        "': from one sample to the next are " +
+      remarks.push_back("Record '" + record.name + "': one sampling step is " +
                         FormatNumber(apart, 2) + " periods of the model's " +
                         Mode(problem, "slowest elastic", slowest) +
-                        ". That is right for a slow test; " +
+                        ". This is right for a slow test only; " +
                         Question(problem, record, apart, kLikelyApart));
     }
   }

@@ -51,8 +51,8 @@ TEST(TimeScale, RefusesDaysReadAsSeconds) {
   const auto refusal =
       AllOf(HasSubstr("record 'quake' lasts 0.00036 periods of the model's "
                       "fastest mode (2.575 Hz)"),
-            HasSubstr("read in s (time_unit: s, ms or us) and are likely to "
-                      "be in days"));
+            HasSubstr("read in s (time_unit: s, ms or us), but are probably "
+                      "in days"));
   std::string error;
   EXPECT_FALSE(IsTimeScalePossible(problem, &error));
   EXPECT_THAT(error, refusal);
@@ -73,9 +73,9 @@ TEST(TimeScale, NamesMillisecondsReadAsSeconds) {
   const IdentificationProblem problem = ProblemWithTimes(1000.0);
   std::string error;
   EXPECT_TRUE(IsTimeScalePossible(problem, &error)) << error;
-  const auto remarks = ElementsAre(
-      AllOf(HasSubstr("'quake': from one sample to the next are 20 periods"),
-            HasSubstr("are they in milliseconds?")));
+  const auto remarks =
+      ElementsAre(AllOf(HasSubstr("'quake': one sampling step is 20 periods"),
+                        HasSubstr("Check whether they are in milliseconds.")));
   EXPECT_THAT(TimeScaleRemarks(problem), remarks);
   IdentificationSummary summary;
   IdentifiedModel model;

@@ -218,7 +218,7 @@ def test_a_roof_sensor_alone_does_not_tell_storeys_apart():
     for seed, factors in ((1, (1.2, 0.9, 1.2, 0.85)), (2, (0.8, 1.2, 0.85, 1.1))):
         roof = identify(seed, factors, [4])
         assert not roof.usable
-        assert "another solution describes what was measured nearly as well: k1" in roof.message
+        assert "another solution describes the data almost as well: k1" in roof.message
         # Priors that both are within do not tell.
         assert not identify(seed, factors, [4], prior_sigma=0.3).usable
         several = identify(seed, factors, [1, 2, 4])

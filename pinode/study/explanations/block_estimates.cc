@@ -203,17 +203,15 @@ std::vector<Finding> CheckBlocks(const BlockEstimates& estimates,
                         3);
   };
   return {{"block_contradicts",
-           "the samples from " + time(found->block.begin) + " to " +
-               time(found->block.end) + " s of record '" + record.name +
-               "' alone would change '" + moved->name + "' from " +
-               FormatNumber(moved->value, 3) + " to about " +
-               FormatNumber(moved->value + shift, 3) + ", " +
-               FormatNumber(most, 2) +
-               " standard deviations; the motion there is " +
+           "record '" + record.name + "' from " + time(found->block.begin) +
+               " to " + time(found->block.end) + " s alone would change '" +
+               moved->name + "' from " + FormatNumber(moved->value, 3) +
+               " to about " + FormatNumber(moved->value + shift, 3) + " (" +
+               FormatNumber(most, 2) + " standard deviations), with a motion " +
                FormatNumber(found->block.level, 2) +
                " times that of the whole record",
            most, limits::kBlockDeviations,
-           "look for what changes with time or with the level of the motion",
+           "find what changes with time or with the level of motion",
            Grade::kWithCare}};
 }
 

@@ -89,8 +89,8 @@ class Catalogue {
     }
     if (size > 0.0) {
       Add(Kind::kDamping, "",
-          "damping of the whole structure by one factor (where all stiffness "
-          "is free, a clock or all masses off by a factor look the same)")
+          "all damping by one factor (if all stiffness is free, a wrong clock "
+          "or a factor on all masses looks the same)")
           ->groups = {FactorGroup("damping", Target::kDamping, damping)};
     }
     std::vector<int> vibrating;
@@ -118,7 +118,7 @@ class Catalogue {
       return;
     }
     Suspect* per_mode =
-        Add(Kind::kDamping, "", "damping by a factor of its own per mode");
+        Add(Kind::kDamping, "", "a factor on the damping of each mode");
     for (const int i : vibrating) {
       const Vector shape = corrected_.mass * modes.mode_shapes.col(i);
       per_mode->groups.push_back(FactorGroup(
@@ -129,8 +129,8 @@ class Catalogue {
 
   void AddMasses() {
     Add(Kind::kMass, "",
-        "all masses by one factor (where all stiffness is free, damping or a "
-        "clock off by a factor look the same)")
+        "all masses by one factor (if all stiffness is free, a factor on the "
+        "damping or a wrong clock looks the same)")
         ->groups = {FactorGroup("mass", Target::kMass, corrected_.mass)};
     const int size = corrected_.num_dofs();
     if (size > kMostPlaces) return;

@@ -115,12 +115,13 @@ std::vector<std::string> ConfusionsBeforeFit(
     for (const double change : confusion.changes) {
       most = std::max(most, std::abs(change));
     }
-    sentences.push_back("These records cannot tell " +
-                        suspect.what.substr(0, suspect.what.find(" (")) +
-                        " from " + ListOf(confusion.names) + ": an error of " +
-                        FormatNumber(suspect.usual, 2) + " in it changes " +
-                        (confusion.names.size() == 1 ? "that" : "those") +
-                        " by up to " + FormatNumber(most, 2) + ", unseen.");
+    sentences.push_back(
+        "These records cannot tell " +
+        suspect.what.substr(0, suspect.what.find(" (")) + " from " +
+        ListOf(confusion.names) + ": an error of " +
+        FormatNumber(suspect.usual, 2) + " changes " +
+        (confusion.names.size() == 1 ? "that parameter" : "those parameters") +
+        " by up to " + FormatNumber(most, 2) + " without any visible effect.");
   }
   return sentences;
 }

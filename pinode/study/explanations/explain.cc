@@ -54,8 +54,8 @@ class Report {
       findings->push_back(
           {"told_apart_by_damping",
            "'" + Join(confusion.names, "' and '") + "'" +
-               " are determined by the given damping alone: a damping off by a "
-               "tenth changes them all, and the records do not show it",
+               " depend on the given damping: a damping that is wrong by a "
+               "tenth changes all of them, and the records do not show it",
            confusion.deviation, suspects_[confusion.suspect].usual,
            "give one of them, or measure the force", Grade::kWithCare});
       return;
@@ -114,19 +114,19 @@ class Report {
            explanation.what + " would describe the records better, with " +
                MovedValue(explanation, search_.refits()[i]),
            explanation.shift, limits::kShiftByExplanation,
-           "check it, or free it", Grade::kWithCare});
+           "check it, or leave it free in the model", Grade::kWithCare});
       break;
     }
   }
 
-  // "'k1' at -0.102 in place of -0.0519", of the parameter that it moves most,
-  // or "the peak of 'shaker' at 2060 in place of 2750".
+  // "'k1' at -0.102 instead of -0.0519", of the parameter that it moves most,
+  // or "the peak of 'shaker' at 2060 instead of 2750".
   std::string MovedValue(const Explanation& explanation,
                          const Refit& refit) const {
     const MovedForce force = MostMovedForce(fit_.forces, refit.fit.forces);
     if (force.name == explanation.moved && !force.name.empty()) {
       return "the peak of '" + force.name + "' at " +
-             FormatNumber(force.other_peak, 3) + " in place of " +
+             FormatNumber(force.other_peak, 3) + " instead of " +
              FormatNumber(force.own_peak, 3);
     }
     return "'" + explanation.moved + "' at " + ValueUnder(explanation);
@@ -136,7 +136,7 @@ class Report {
     const ParameterEstimate* own = FindEstimate(fit_, explanation.moved);
     for (const ExplainedValue& value : explanation.values) {
       if (own == nullptr || value.name != explanation.moved) continue;
-      return FormatNumber(value.value, 3) + " in place of " +
+      return FormatNumber(value.value, 3) + " instead of " +
              FormatNumber(own->value, 3);
     }
     return "another value";

@@ -226,7 +226,7 @@ TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
   const IdentificationOptions options;
   EXPECT_THAT(ConfusionsBeforeFit(problem, options),
               ::testing::Not(::testing::Contains(
-                  ::testing::HasSubstr("damping of the whole structure"))));
+                  ::testing::HasSubstr("all damping by one factor"))));
   auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
   GroupTerm mass;
   mass.group.name = "m";
@@ -236,9 +236,9 @@ TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
   std::string error;
   ASSERT_TRUE(dynamics->AddGroup(mass, &error)) << error;
   problem.dynamics = dynamics;
-  EXPECT_THAT(ConfusionsBeforeFit(problem, options),
-              ::testing::Contains(
-                  ::testing::HasSubstr("damping of the whole structure")));
+  EXPECT_THAT(
+      ConfusionsBeforeFit(problem, options),
+      ::testing::Contains(::testing::HasSubstr("all damping by one factor")));
   // An error of the mass is what the problem looks for.
   EXPECT_THAT(ConfusionsBeforeFit(problem, options),
               ::testing::Not(::testing::Contains(

@@ -46,9 +46,9 @@ void CheckCopies(const IdentificationRecord& record, Findings* findings) {
           {"copied_channel",
            "channels '" + two.observation.name + "' and '" +
                one.observation.name + "' of record '" + record.name +
-               "' hold the same values, at two places that move differently",
+               "' hold the same values, but their places move differently",
            unlike, limits::kCopy,
-           "one of them is a copy: leave it out, or give its own column"});
+           "one of them is a copy: leave it out, or name the right column"});
     }
   }
 }
@@ -73,10 +73,10 @@ void CheckGivenNoise(const IdentificationRecord& record,
   findings->push_back(
       {"given_noise_contradicted",
        "the residuals of channel '" + name + "' of record '" + record.name +
-           "' are " + FormatNumber(worst, 3) + " times the noise given for it",
+           "' are " + FormatNumber(worst, 3) + " times its given noise",
        worst, limits::kGivenNoise,
-       "intervals that follow from the given noise are too narrow by as much; "
-       "correct `sigma`, or leave it out to have it estimated",
+       "the intervals are too narrow by this factor: correct `sigma`, or leave "
+       "it out to have it estimated",
        worst > limits::kGivenNoiseFar && !misses_motion ? Grade::kNotUsable
                                                         : Grade::kWithCare});
 }
@@ -95,7 +95,7 @@ void CheckPriors(const IdentificationProblem& problem, const FitSummary& fit,
     findings->push_back(
         {"prior_contradicted",
          "'" + estimate.name + "' is " + FormatNumber(away, 2) +
-             " deviations of its prior away from it",
+             " standard deviations of its prior away from the prior",
          away, limits::kPriorContradicted,
          "widen the prior if it was a guess, or look for what the model lacks",
          Grade::kWithCare});
@@ -113,14 +113,15 @@ void CheckSizes(const IdentificationProblem& problem, const FitSummary& fit,
       if (estimate.name != term.alpha.name) continue;
       const double size = term.present + estimate.value;
       if (!(size > limits::kGroupSize)) continue;
-      findings->push_back(
-          {"group_out_of_size",
-           "'" + estimate.name + "' has become " + FormatNumber(size, 3) +
-               " times what the model has",
-           size, limits::kGroupSize,
-           "check units and sensors; correct the model if it is that far off",
-           size > limits::kGroupSizeFar ? Grade::kNotUsable
-                                        : Grade::kWithCare});
+      findings->push_back({"group_out_of_size",
+                           "'" + estimate.name + "' has become " +
+                               FormatNumber(size, 3) +
+                               " times its value in the initial model",
+                           size, limits::kGroupSize,
+                           "check units and sensors; correct the model if it "
+                           "is really so far off",
+                           size > limits::kGroupSizeFar ? Grade::kNotUsable
+                                                        : Grade::kWithCare});
     }
   }
 }
@@ -147,14 +148,14 @@ void CheckModeDampings(const StructuralModel& before,
     }
     findings->push_back(
         {"mode_damping",
-         "the updated model has a mode of " +
-             FormatNumber(updated.frequency_hz[i], 4) +
-             " Hz with a damping ratio of " + FormatNumber(100.0 * ratio, 3) +
-             " %, where the initial model has " +
+         "the updated model has a mode at " +
+             FormatNumber(updated.frequency_hz[i], 4) + " Hz with " +
+             FormatNumber(100.0 * ratio, 3) +
+             " % of critical damping, the initial model has " +
              FormatNumber(100.0 * initial.damping_ratio[i], 3) + " %",
          ratio, limits::kModeDamping,
-         "no structure is damped like that without devices: look for what the "
-         "model lacks",
+         "only a structure with dampers has so much: find what the model "
+         "lacks",
          ratio > limits::kModeDampingFar ? Grade::kNotUsable
                                          : Grade::kWithCare});
     return;
@@ -177,7 +178,8 @@ void CheckDampers(const StructuralModel& before, const StructuralModel& after,
   }
   findings->push_back(
       {"negative_damper",
-       "the updated damping matrix drives a motion: its least eigenvalue is " +
+       "the updated damping matrix feeds a motion: its smallest eigenvalue "
+       "is " +
            FormatNumber(100.0 * now, 2) + " % of its largest",
        -now, limits::kNegativeDamper,
        "give damping groups a `lower` bound, or look for what the model lacks",

@@ -144,11 +144,11 @@ class SensorCatalogue {
                        other.place == first + "," + second;
               });
           const int at = static_cast<int>(r);
-          Suspect* suspect = known != suspects_->end()
-                                 ? &*known
-                                 : Add(Kind::kExchange, first + "," + second,
-                                       "sensors '" + first + "' and '" +
-                                           second + "' in each other's place");
+          Suspect* suspect =
+              known != suspects_->end()
+                  ? &*known
+                  : Add(Kind::kExchange, first + "," + second,
+                        "sensors '" + first + "' and '" + second + "' swapped");
           suspect->exchanged.push_back({{at, d}, {at, c}});
         }
       }

@@ -102,7 +102,7 @@ class MainJob {
                        });
       if (found == extras_.candidates.end()) {
         *error =
-            "'" + name + "', which the choice has left out, is no candidate";
+            "'" + name + "', which the choice left out, is not a candidate";
         return false;
       }
       gone.push_back(*found);

@@ -93,7 +93,7 @@ Comparison Compare(const FitSummary& one, const FitSummary& other) {
   return comparison;
 }
 
-// "'wind' 13 in place of 7".
+// "'wind' 13 instead of 7".
 std::string DescribeFiner(const FitSummary& finer, const FitSummary& coarser) {
   std::vector<std::string> texts;
   for (size_t i = 0; i < finer.ambient.size(); ++i) {
@@ -101,7 +101,7 @@ std::string DescribeFiner(const FitSummary& finer, const FitSummary& coarser) {
     const int before = coarser.ambient[i].num_knots;
     if (knots == before) continue;
     texts.push_back("'" + finer.ambient[i].name + "' " + std::to_string(knots) +
-                    " in place of " + std::to_string(before));
+                    " instead of " + std::to_string(before));
   }
   return Join(texts, ", ");
 }
@@ -191,9 +191,9 @@ class LoadSettling {
     }
     if (tried.empty()) return;
     remarks_.push_back(
-        "The spectra of the loads were refined, for they did not describe the "
-        "ambient records: " +
-        Join(tried, "; then ") + ". What stands is " +
+        "The spectra of the loads did not describe the ambient records and "
+        "were refined: " +
+        Join(tried, "; then ") + ". The result has " +
         Describe(given_.knots, *summary_) + ".");
   }
 
@@ -208,8 +208,8 @@ class LoadSettling {
       problem_->description.known_as = identity_;
       FitSummary next;
       IdentifiedModel found;
-      if (!Run("spectra of the loads that the evidence asks for", *model_,
-               &next, &found) ||
+      if (!Run("spectra of the loads by the evidence", *model_, &next,
+               &found) ||
           next.termination != Termination::kConverged) {
         return;
       }
@@ -228,12 +228,12 @@ class LoadSettling {
             ? "The evidence chose no more knots of the loads' spectra: "
         : IsSound(next)
             ? "The evidence chose more knots of the loads' spectra: "
-            : "More knots of the loads' spectra, which the evidence "
-              "would choose, leave no usable fit: ";
-    return outcome + DescribeFiner(next, *summary_) +
-           "; the logarithm of the likelihood is larger by " +
-           FormatNumber(more.gain, 3) + ", from which the evidence takes off " +
-           FormatNumber(more.price, 3) + ".";
+            : "The evidence would choose more knots of the loads' spectra, but "
+              "they give no usable fit: ";
+    return outcome + DescribeFiner(next, *summary_) + ". They add " +
+           FormatNumber(more.gain, 3) +
+           " to the logarithm of the likelihood and cost " +
+           FormatNumber(more.price, 3) + " of evidence.";
   }
 
   // Of all that came before, the fit that stands knows nothing.

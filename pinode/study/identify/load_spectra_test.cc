@@ -245,8 +245,8 @@ TEST(LoadSpectra, WhatHasMoreEvidenceStands) {
   ASSERT_EQ(summary.remarks.size(), 1u);
   EXPECT_EQ(summary.remarks[0],
             "The evidence chose more knots of the loads' spectra: 'monday' 13 "
-            "in place of 7; the logarithm of the likelihood is larger by 90, "
-            "from which the evidence takes off 60.");
+            "instead of 7. They add 90 to the logarithm of the likelihood and "
+            "cost 60 of evidence.");
 }
 
 // A promise is not enough; and one that was kept is asked again, up to four
@@ -271,7 +271,7 @@ TEST(LoadSpectra, PromisesOfTheEvidenceAreHeldAgainstFits) {
   EXPECT_EQ(problem.ambient[0].knots, 0);
   EXPECT_THAT(CheckFit(GapTuning(), summary), IsEmpty());
   ASSERT_EQ(summary.remarks.size(), 1u);
-  EXPECT_THAT(summary.remarks[0], HasSubstr("leave no usable fit"));
+  EXPECT_THAT(summary.remarks[0], HasSubstr("give no usable fit"));
 
   summary = FitWithPromise(problem, 100.0);
   FitsWithEvidence more({500.0, 1000.0}, 100.0);

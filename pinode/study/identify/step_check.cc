@@ -49,9 +49,9 @@ bool Linearize(const IdentificationProblem& problem, const FitSummary& summary,
 }  // namespace
 
 std::string StepCheck::Sentence() const {
-  return "with two steps in place of each, '" + parameter + "' would move by " +
-         FormatNumber(change, 3) + ", " + FormatNumber(shift, 2) +
-         " of its standard deviation";
+  return "half the step would move '" + parameter + "' by " +
+         FormatNumber(change, 3) + " (" + FormatNumber(shift, 2) +
+         " times its standard deviation)";
 }
 
 bool CheckStepsAtFit(const IdentificationProblem& problem,

@@ -284,8 +284,9 @@ TEST_F(UntilSettledTest, KeepsTheLastSoundFit) {
   EXPECT_EQ(model_.parameters[0], 0.1);
   EXPECT_THAT(WhyNotSound(GapTuning(), summary_), IsEmpty());
   ASSERT_FALSE(rod_.problem.description.remarks.empty());
-  EXPECT_THAT(rod_.problem.description.remarks.back(),
-              HasSubstr("could not be renewed: the fit came to a halt"));
+  EXPECT_THAT(
+      rod_.problem.description.remarks.back(),
+      HasSubstr("could not be renewed: the fit stopped before a minimum"));
 }
 
 TEST_F(UntilSettledTest, AnInterruptLeavesWhatAResumptionBeginsFrom) {

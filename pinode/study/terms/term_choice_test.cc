@@ -191,7 +191,7 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInWhiteNoise) {
     EXPECT_NEAR(layout.Free(fit.model.parameters)[cubic], 4.0, 0.1) << seed;
     EXPECT_THAT(fit.choice.Sentence(),
                 HasSubstr("Model choice: 6 candidates, 1 kept "
-                          "(nl.x[u]^3); left out: nl.x[u]^2, "));
+                          "(nl.x[u]^3). Left out: nl.x[u]^2, "));
     // Results of the choice are known as those of the whole problem.
     EXPECT_EQ(ProblemIdentity(fit.problem), ProblemIdentity(problem_));
   }
@@ -282,7 +282,7 @@ TEST_F(TermChoiceTest, GoesOnAfterAnInterrupt) {
                 static_cast<int>(chosen.left_out_parameters.size()),
             ParameterLayout(problem_).num_parameters());
   EXPECT_THAT(cut_off.choice.Sentence(),
-              HasSubstr("Model choice, cut off: 8 candidates"));
+              HasSubstr("Model choice (interrupted): 8 candidates"));
 
   TermFit fit = cut_off;
   InnerFit inner;
