@@ -27,8 +27,8 @@ void PrintFiniteElementModel(const Case& c) {
   const SparseModes& modes = reduced.whole_modes;
   const SpecialDofs special = FindSpecialDofs(source.model);
   std::printf(
-      "Finite-element model: %d DOFs, %zu of them removed; of the others %zu "
-      "without mass\n%d rigid-body modes, %ld non-zeros in K, damping %s\n",
+      "Finite-element model: %d DOFs, %zu removed, %zu of the others without "
+      "mass\n%d rigid-body modes, %ld non-zeros in K, damping %s\n",
       source.exported.num_dofs(), source.removed_dofs.size(),
       special.massless.size(), modes.num_rigid_body_modes,
       static_cast<long>(source.model.stiffness.nonZeros()),
@@ -46,7 +46,7 @@ void PrintFiniteElementModel(const Case& c) {
     std::printf("\n");
   }
   std::printf(
-      "\nMode   whole Hz   expected Hz   error %%   reduced: error %%      "
+      "\nMode    full Hz   expected Hz   error %%   reduced: error %%      "
       "MAC\n");
   const double to_hz = c.problem.description.HzPerModelFrequency();
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
@@ -85,7 +85,9 @@ void PrintModel(const Case& c, const CaseCheck& check) {
   }
   const ModalProperties& modes = check.modes;
   const double to_hz = c.problem.description.HzPerModelFrequency();
-  std::printf("\nMode      Hz   damping %%   expected Hz   error %%\n");
+  std::printf(
+      "\nModes (damping in %% of critical)\n"
+      "Mode      Hz   damping %%   expected Hz   error %%\n");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
     // A negative stiffness has no frequency.
@@ -112,8 +114,8 @@ void PrintPeaks(const CaseCheck& check) {
     if (record.hz.empty()) continue;
     if (!any) {
       std::printf(
-          "\nPeaks in the spectra of the responses, Hz, to compare with "
-          "the modes\n");
+          "\nPeaks in the spectra of the responses, Hz (compare them with the "
+          "modes)\n");
     }
     any = true;
     std::printf("  %s:", record.record.c_str());
@@ -189,14 +191,14 @@ void PrintInputs(const Case& c, const AmbientRecord& record) {
     }
   }
   if (loads.empty()) return;
-  std::printf("    measured beside them, %s between samples: %s\n",
+  std::printf("    measured loads, %s between samples: %s\n",
               InterpolationName(record.inputs->interpolation()),
               Join(loads, ", ").c_str());
 }
 
 void PrintAmbientRecords(const Case& c) {
   if (c.problem.ambient.empty()) return;
-  std::printf("\nRecords of loads that nobody measured\n");
+  std::printf("\nRecords of unmeasured loads\n");
   for (const AmbientRecord& record : c.problem.ambient) {
     std::printf(
         "  %s: %ld samples, step %.6g s, %.4g s, %zu channels\n",
@@ -210,7 +212,7 @@ void PrintAmbientRecords(const Case& c) {
 
 void PrintCandidates(const Case& c) {
   if (c.candidates.empty()) return;
-  std::printf("\nCandidates, of which a fit keeps what the records support:");
+  std::printf("\nCandidates (a fit keeps those that the records support):");
   for (const ModelCandidate& candidate : c.candidates) {
     std::printf(" %s", candidate.name.c_str());
   }
@@ -226,11 +228,11 @@ void PrintMeasuredModes(const Case& c, const CaseCheck& check) {
     const MeasuredMode& mode = c.problem.modal.modes[i];
     std::printf("  %s: %.5g Hz, ", mode.name.c_str(), to_hz * mode.frequency);
     if (!check.mode_in_use[i]) {
-      std::printf("like no mode of the model; a fit does not use it\n");
+      std::printf("like no mode of the model, so a fit does not use it\n");
       continue;
     }
     const ModeMatch& match = check.mode_match[i];
-    std::printf("model's mode %d %.5g Hz (%+.2f %%)", match.mode + 1,
+    std::printf("mode %d of the model has %.5g Hz (%+.2f %%)", match.mode + 1,
                 to_hz * match.frequency,
                 100.0 * (match.frequency / mode.frequency - 1.0));
     if (mode.HasShape()) {
@@ -251,8 +253,8 @@ void PrintAssessment(const CaseCheck& check) {
       assessment.num_free, assessment.num_residuals, assessment.num_starts);
   if (!assessment.expected.empty()) {
     std::printf(
-        "\nExpected uncertainty at the initial values (noise as given, else "
-        "5 %%)\n");
+        "\nExpected 95 %% uncertainty at the initial values (noise as given, "
+        "otherwise 5 %%)\n");
     for (const auto& expected : assessment.expected) {
       std::printf("  %-24s %12.5g +- %.2g %s%s\n", expected.name.c_str(),
                   expected.initial, 1.96 * expected.sigma,
@@ -265,8 +267,8 @@ void PrintAssessment(const CaseCheck& check) {
   }
   for (const std::string& direction : assessment.undetermined) {
     std::printf(
-        "\nThe sensors and the load cannot see: %s. Add a prior, fix one of "
-        "them or add a channel.\n",
+        "\nNot determined by the sensors and the load: %s. Add a prior, fix "
+        "one of them or add a channel.\n",
         direction.c_str());
   }
   for (const std::string& confusion : check.confusions) {
@@ -276,7 +278,7 @@ void PrintAssessment(const CaseCheck& check) {
     std::printf("\nEvery named parameter is determined by the data%s.\n",
                 check.confusions.empty()
                     ? ""
-                    : ", if what they cannot tell is as the case says");
+                    : ", if the case is right about the errors above");
   }
 }
 

@@ -7,9 +7,9 @@
 #include "pinode/case/results/updated_deck.h"
 
 DEFINE_string(deck, "",
-              "input deck of CalculiX or Abaqus that the case's matrices came "
-              "from; the output folder then has it as <name>_updated.inp with "
-              "the properties of the groups' element sets as found");
+              "input deck of CalculiX or Abaqus from which the case's matrices "
+              "were exported; also write <name>_updated.inp, with the "
+              "identified properties of the groups' element sets");
 
 namespace pinode {
 

@@ -4,9 +4,10 @@
 #include "pinode/case/results/matlab_results.h"
 #include "pinode/case/results/result_folder.h"
 
-DEFINE_string(case, "",
-              "case file (TOML); what it has, the page on case files says "
-              "(case_files.md, in the source tree pinode/case/README.md)");
+DEFINE_string(
+    case, "",
+    "case file (TOML); format: see case_files.md (in the source tree: "
+    "pinode/case/README.md)");
 DEFINE_string(output_dir, "",
               "folder for the results; must not exist without --overwrite or "
               "--resume");
@@ -14,12 +15,12 @@ DEFINE_bool(overwrite, false, "replace an existing output folder");
 DEFINE_bool(resume, false,
             "continue an interrupted fit from its checkpoint in the output "
             "folder");
-DEFINE_int32(threads, 0, "threads; 0: as the case says");
+DEFINE_int32(threads, 0, "number of threads; 0: as in the case");
 DEFINE_bool(mat, false,
-            "write results.mat too, with the tables, matrices and texts at the "
-            "top of the output folder, for MATLAB and Octave");
+            "also write results.mat for MATLAB and Octave, with the tables, "
+            "matrices and texts of the output folder");
 DEFINE_bool(strict, false,
-            "end with status 1 also where the result is usable with care");
+            "exit with status 1 also if the result is usable with care");
 DEFINE_bool(progress, true, "show progress on standard error");
 
 namespace pinode {

@@ -117,8 +117,8 @@ std::string HelpText(const std::string& usage) {
   }
   return text +
          "\nExit status:\n"
-         "0 done; 1 ran, but the result is not usable; 2 bad input or usage;\n"
-         "3 interrupted, best so far written.\n";
+         "0 done; 1 the result is not usable; 2 wrong input or usage;\n"
+         "3 interrupted, the best result so far is written.\n";
 }
 
 std::string VersionText(const std::string& command) {

@@ -23,19 +23,20 @@
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/sections/case_file.h"
 
-DEFINE_string(case, "",
-              "case file (TOML); what it has, the page on case files says "
-              "(case_files.md, in the source tree pinode/case/README.md)");
-DEFINE_int32(plan, 0,
-             "plan this many sensors: those that tell most about the groups, "
-             "of the places that [plan] names or all; responses need not have "
-             "been measured");
+DEFINE_string(
+    case, "",
+    "case file (TOML); format: see case_files.md (in the source tree: "
+    "pinode/case/README.md)");
+DEFINE_int32(
+    plan, 0,
+    "choose this number of sensors: those that determine the groups "
+    "best, from the places in [plan] or from all; no response needs to "
+    "be measured");
 DEFINE_string(output_dir, "",
-              "folder for what is printed, as tables, matrices and JSON; must "
-              "not exist without --overwrite; none: nothing is written");
+              "folder for the printed results as tables, matrices and JSON; "
+              "must not exist without --overwrite; empty: write no files");
 DEFINE_bool(overwrite, false, "replace an existing output folder");
-DEFINE_bool(mat, false,
-            "write results.mat too, with all of these, for MATLAB and Octave");
+DEFINE_bool(mat, false, "also write results.mat for MATLAB and Octave");
 
 namespace pinode {
 namespace {
@@ -44,11 +45,11 @@ bool CheckFlags(std::string* error) {
   if (FLAGS_case.empty()) {
     *error = "--case=FILE is missing; see --help";
   } else if (FLAGS_plan < 0) {
-    *error = "--plan is negative, expected sensors";
+    *error = "--plan is negative, expected a number of sensors";
   } else if (FLAGS_output_dir.empty()) {
     if (!FLAGS_mat && !FLAGS_overwrite) return true;
     *error = std::string(FLAGS_mat ? "--mat" : "--overwrite") +
-             " goes with --output_dir only";
+             " needs --output_dir=FOLDER";
   } else {
     return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error) &&
            MayGiveWayToCheck(FLAGS_output_dir, error);
@@ -82,9 +83,9 @@ int RunProgram(int argc, char** argv) {
   int status;
   if (!ParseFlags(argc, argv,
                   "pinode_check --case=FILE [--output_dir=FOLDER]\n\n"
-                  "Reads a case and all it names, fits nothing, and prints "
-                  "modes, steps, sizes and\nwhat the sensors cannot see; with "
-                  "--plan where to put sensors.",
+                  "Reads a case and its files without fitting anything. Prints "
+                  "modes, steps, sizes, and\nwhich parameters the sensors do "
+                  "not determine. With --plan it chooses places for sensors.",
                   &status)) {
     return status;
   }

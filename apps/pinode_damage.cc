@@ -38,16 +38,17 @@
 #include "pinode/report/html_report.h"
 #include "pinode/study/damage/damage_analysis.h"
 
-DEFINE_string(baseline, "",
-              "result folders of pinode_update for healthy records of the same "
-              "structure, separated by commas");
+DEFINE_string(
+    baseline, "",
+    "result folders of pinode_update for baseline records of the same "
+    "structure, separated by commas");
 DEFINE_double(
     threshold, 0.05,
-    "loss of stiffness from which damage is called on one baseline, as "
-    "a fraction; with several a smaller one counts too where healthy "
-    "records differ by less");
+    "smallest loss of stiffness that counts as damage, as a fraction; with "
+    "several baselines a smaller loss also counts if it is larger than "
+    "their scatter");
 DEFINE_double(false_alarm_rate, 0.05,
-              "probability of calling any change where there is none");
+              "probability of finding a change if there is none");
 
 namespace pinode {
 namespace {
@@ -67,8 +68,10 @@ bool ReadChangeFlags(ChangeOptions* options, std::string* error) {
 bool ReadCase(SharedTables* tables, Case* c, std::string* error) {
   if (!ReadFitFlags(tables, c, error)) return false;
   if (!FreeGroups(*c->problem.dynamics).empty()) return true;
-  *error = FLAGS_case +
-           ": no [[group]] is free, expected those whose change is asked for";
+  *error =
+      FLAGS_case +
+      ": no [[group]] is free; set free = true in the groups that may have "
+      "changed";
   return false;
 }
 
@@ -78,7 +81,8 @@ bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
   for (const std::string_view part : Split(FLAGS_baseline, ',')) {
     const std::string folder(part);
     if (folder.empty()) {
-      *error = "--baseline has an empty name in it";
+      *error =
+          "--baseline contains an empty name; separate folders by one comma";
       return false;
     }
     baselines->emplace_back();
@@ -118,11 +122,12 @@ void PrintChange(const DamageResult& result) {
 int RunProgram(int argc, char** argv) {
   const auto begin = std::chrono::steady_clock::now();
   int status;
-  if (!ParseFlags(argc, argv,
-                  "pinode_damage --baseline=FOLDER[,FOLDER...] --case=FILE "
-                  "--output_dir=FOLDER\n\n"
-                  "Says what changed in a structure since healthy records.",
-                  &status)) {
+  if (!ParseFlags(
+          argc, argv,
+          "pinode_damage --baseline=FOLDER[,FOLDER...] --case=FILE "
+          "--output_dir=FOLDER\n\n"
+          "Finds what changed in a structure relative to its baselines.",
+          &status)) {
     return status;
   }
 
@@ -160,7 +165,7 @@ int RunProgram(int argc, char** argv) {
   const JudgedChange judgement =
       JudgeChange(summary, model, baselines, change, &watch, &c);
   if (!judgement.why_not.empty()) {
-    std::fprintf(stderr, "nothing can be said about changes: %s\n",
+    std::fprintf(stderr, "no verdict on changes: %s\n",
                  judgement.why_not.c_str());
   }
   const DamageResult& result = judgement.result;

@@ -42,8 +42,8 @@
 #include "pinode/study/terms/discovered_problem.h"
 
 DEFINE_string(model, "",
-              "result folder of pinode_update for this case; none with source "
-              "= \"derivatives\" in its section [discover]");
+              "result folder of pinode_update for this case; leave it out if "
+              "[discover] has source = \"derivatives\"");
 
 namespace pinode {
 namespace {
@@ -55,12 +55,13 @@ bool CheckModelFlag(const Case& c, std::string* error) {
   std::error_code ignored;
   if (!FLAGS_model.empty() &&
       std::filesystem::equivalent(FLAGS_model, FLAGS_output_dir, ignored)) {
-    *error = "--output_dir is the folder of --model, expected another one";
+    *error = "--output_dir is the folder of --model; give another folder";
     return false;
   }
   if (c.problem.num_train_records() == 0) {
     *error = FLAGS_case +
-             ": no training record, expected one to discover equations from";
+             ": there is no training record; add one, equations are discovered "
+             "from it";
     return false;
   }
   const bool from_networks =
@@ -70,8 +71,9 @@ bool CheckModelFlag(const Case& c, std::string* error) {
     return false;
   }
   if (!from_networks && !FLAGS_model.empty()) {
-    *error = "--model is of no use with source = \"derivatives\" in " +
-             FLAGS_case + ", expected none";
+    *error = FLAGS_case +
+             " has source = \"derivatives\", which uses no model; leave out "
+             "--model";
     return false;
   }
   return true;
@@ -237,7 +239,7 @@ int RunProgram(int argc, char** argv) {
   if (!ParseFlags(argc, argv,
                   "pinode_discover --model=FOLDER --case=FILE "
                   "--output_dir=FOLDER\n\n"
-                  "Finds closed-form equations in place of the networks of an "
+                  "Finds closed-form equations that replace the networks of an "
                   "identified model.",
                   &status)) {
     return status;

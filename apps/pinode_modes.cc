@@ -29,18 +29,18 @@
 #include "pinode/report/modes_report.h"
 
 DEFINE_string(columns, "",
-              "--case is a data file (CSV, universal file, ...), and these of "
-              "its columns are the channels, with commas between; 'all': "
-              "every column of numbers but the time and row numbers");
+              "columns of the channels, separated by commas, if --case is a "
+              "data file (CSV, universal file, ...); 'all': every column of "
+              "numbers except time and row numbers");
 DEFINE_string(quantities, "acceleration",
-              "with --columns: what they measure, one for all or one for each, "
-              "of acceleration, velocity, displacement, strain");
+              "with --columns: acceleration, velocity, displacement or strain; "
+              "one for all columns or one for each");
 DEFINE_string(time, "",
-              "with --columns: the column of the time, in seconds or in the "
-              "unit that the file states; default, where there is no sampling "
-              "rate: found by its name or its clock times");
+              "with --columns: column of the time, in seconds or in the unit "
+              "that the file states; empty, without a sampling rate: found by "
+              "its name or clock times");
 DEFINE_double(sampling_rate_hz, 0.0,
-              "with --columns: the sampling rate, for files without a time");
+              "with --columns: sampling rate of files without a time column");
 
 namespace pinode {
 namespace {
@@ -64,7 +64,7 @@ bool ReadInput(ModesCase* c, std::string* error) {
   if (FLAGS_columns.empty()) {
     for (const char* name : {"quantities", "time", "sampling_rate_hz"}) {
       if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
-        *error = "--" + std::string(name) + " goes with --columns only";
+        *error = "--" + std::string(name) + " needs --columns";
         return false;
       }
     }
@@ -91,7 +91,7 @@ int RunProgram(int argc, char** argv) {
   if (!ParseFlags(argc, argv,
                   "pinode_modes --case=FILE --output_dir=FOLDER\n\n"
                   "Identifies the modes of a structure from records of its "
-                  "vibration alone.",
+                  "vibration. It needs no model.",
                   &status)) {
     return status;
   }

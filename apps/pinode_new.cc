@@ -34,66 +34,66 @@
 #include "pinode/case/results/result_folder.h"
 
 DEFINE_string(case, "case.toml",
-              "case file to write; that of --later is called the same, with "
-              "_later. Its keys: case_files.md, in the source tree "
-              "pinode/case/README.md");
+              "case file to write; the file for --later has the same name "
+              "with _later. Format: see case_files.md (in the source tree: "
+              "pinode/case/README.md)");
 DEFINE_string(later, "",
-              "records of a later state, separated by commas, for a case of "
-              "their own with the same model: the input of pinode_damage");
+              "records of a later state, separated by commas; they get a case "
+              "of their own with the same model, for pinode_damage");
 DEFINE_string(holdout, "",
-              "record that is not fitted but predicted, or none; if not given, "
-              "the last one where a state has several");
+              "record that is predicted and not fitted, or 'none'; empty: the "
+              "last record of a state that has several");
 DEFINE_string(storeys, "", "number of storeys");
 DEFINE_string(weights, "",
-              "weights or masses of the floors with their unit, one for all or "
-              "one each from the lowest up: \"900 kN\", \"900, 700 kN\", "
-              "\"2000 kg\"; units N kN MN kgf lbf kip kg t");
+              "weights or masses of the floors, one for all or one each from "
+              "the lowest up: \"900 kN\", \"900, 700 kN\", \"2000 kg\"; units: "
+              "N kN MN kgf lbf kip kg t");
 DEFINE_string(stiffness, "",
               "stiffnesses of the storeys, one for all or one each from the "
-              "lowest up, such as \"150000 kN/m\"; if not given, all alike, so "
-              "that the first mode is that of the records");
+              "lowest up, such as \"150000 kN/m\"; empty: all equal, from the "
+              "first mode of the records");
 DEFINE_string(first_mode_hz, "",
-              "frequency of the first mode, if the records show none or "
-              "another one");
+              "frequency of the first mode, if the records do not show it");
 DEFINE_string(damping_ratio, "0.02",
-              "initial damping, as a fraction of critical; the fit finds it");
+              "initial damping as a fraction of critical; the fit updates it");
 DEFINE_string(base, "",
-              "column that is the acceleration of the base, or none; if not "
-              "given, found by its name");
+              "column of the acceleration of the base, or 'none'; empty: found "
+              "by its name");
 DEFINE_string(sensors, "",
-              "floor of each column, 1 being the lowest above the base: "
-              "\"acc_1=1,acc_2=-2\", negative if upside down; other columns "
-              "are left out; if not given, found by the names");
+              "floor of each column, such as \"acc_1=1,acc_2=-2\"; 1 is the "
+              "lowest above the base, negative: upside down; other columns are "
+              "left out; empty: found by the names");
 DEFINE_string(
     deck, "",
-    "deck of CalculiX (FILE.inp) in place of storeys, with its "
-    "exported matrices beside it or in FILE_export, as "
-    "pinode.calculix.export of Python leaves them; --sensors then has "
-    "nodes and directions: \"a1=1051.1,a2=-1051.2\"");
+    "deck of CalculiX (FILE.inp) instead of storeys; its matrices, from "
+    "pinode.calculix.export of Python, are beside it or in FILE_export; "
+    "--sensors then takes nodes and directions: \"a1=1051.1,a2=-1051.2\"");
 DEFINE_string(deck_units, "",
-              "units of force and length of the deck's numbers, such as N,mm");
-DEFINE_string(factor, "",
-              "factor of the sets' properties in the deck's changed exports");
+              "units of force and length in the deck, such as N,mm");
+DEFINE_string(
+    factor, "",
+    "factor on the properties of the element sets in the changed exports "
+    "of the deck");
 DEFINE_string(force, "",
-              "columns that are measured forces, with their floor or DOF: "
-              "\"F=3\"");
+              "columns of measured forces with their floor or DOF: \"F=3\"");
 DEFINE_string(force_unit, "",
-              "unit of forces whose unit the files do not state");
+              "unit of the forces, if the files do not state it");
 DEFINE_string(base_direction, "",
-              "direction of the deck along which the base is measured: x y z");
+              "direction of the measured base motion in the deck: x, y or z");
 DEFINE_string(ignore, "", "columns to leave out, separated by commas");
 DEFINE_string(unit, "",
-              "unit of the columns whose unit the files do not state: m/s^2 "
-              "mm/s^2 g mg gal ...");
+              "unit of the columns, if the files do not state it: m/s^2 mm/s^2 "
+              "g mg gal ...");
 DEFINE_string(time, "",
-              "column of the time; if not given, found by its name or its "
-              "clock times");
+              "column of the time; empty: found by its name or clock times");
 DEFINE_string(time_unit, "", "unit of the times, if the files do not state it");
-DEFINE_double(sampling_rate_hz, 0.0, "sampling rate, for files without a time");
+DEFINE_double(sampling_rate_hz, 0.0,
+              "sampling rate of files without a time column");
 DEFINE_string(title, "", "title of the case");
-DEFINE_string(output_dir, "",
-              "folder for the check of the case, as pinode_check writes it; "
-              "must not exist without --overwrite; none: it is printed alone");
+DEFINE_string(
+    output_dir, "",
+    "folder for the check of the case, as pinode_check writes it; "
+    "must not exist without --overwrite; empty: print the check only");
 DEFINE_bool(overwrite, false,
             "replace a case that pinode_new wrote, and the output folder");
 
@@ -153,7 +153,7 @@ bool MayWriteCase(const std::string& path, std::string* error) {
       std::filesystem::path(path).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder, status)) {
     *error = path + ": there is no folder " + folder.string() +
-             "; make it, or give another name with --case";
+             "; create it, or give another name with --case";
     return false;
   }
   if (!std::filesystem::exists(path, status)) return true;
@@ -182,7 +182,7 @@ bool CheckFlags(std::string* error) {
     return false;
   }
   if (FLAGS_sampling_rate_hz > 0.0 && !FLAGS_time.empty()) {
-    *error = "--time and --sampling_rate_hz, expected one of them";
+    *error = "--time and --sampling_rate_hz were both given; give one of them";
     return false;
   }
   if (!MayWriteCase(FLAGS_case, error) ||
@@ -229,7 +229,7 @@ bool DraftWithAnswers(DraftRequest* request, std::vector<CaseDraft>* drafts,
     std::printf("> ");
     std::fflush(stdout);
     if (!std::getline(std::cin, *last) || last->empty()) {
-      *error = "no answer; see --help for the flag";
+      *error = "no answer; see the flag in --help";
       return false;
     }
   }
@@ -254,7 +254,7 @@ bool CheckDrafts(const std::vector<CaseDraft>& drafts,
     one.draft = draft;
     one.text = CaseDraftText(draft, command);
     if (!ReadCaseDraft(one.text, draft.path, &one.c, error)) {
-      *error = "the case cannot be written as the records are: " + *error;
+      *error = "no case can be written for these records: " + *error;
       return false;
     }
     one.check = CheckCase(one.c);
@@ -319,8 +319,8 @@ int Print(const std::vector<CheckedDraft>& checked) {
     }
     if (!one.check.ok()) status = kExitNotUsable;
   }
-  PrintSentences("Read", assumptions);
-  PrintSentences("Sensors to be checked", remarks);
+  PrintSentences("Read from the files", assumptions);
+  PrintSentences("Please check these sensors", remarks);
   PrintCaseCheck(checked[0].c, checked[0].check);
   for (size_t i = 1; i < checked.size(); ++i) {
     const CaseCheck& check = checked[i].check;
@@ -350,11 +350,11 @@ int RunProgram(int argc, char** argv) {
           "pinode_new LOG [LOG...] [--later=FILE,...] --storeys=N "
           "--weights=WEIGHTS [--deck=FILE] [--case=FILE] "
           "[--output_dir=FOLDER]\n\n"
-          "Drafts a case from the files of data loggers; asks on a "
-          "terminal for what is missing. The building is a frame of "
-          "storeys, with a sensor at its base and on its floors, or a "
+          "Drafts a case from the files of data loggers, and asks on a "
+          "terminal for missing answers. The structure is a frame of "
+          "storeys with sensors at its base and floors, or a "
           "deck with its exported matrices. Writes "
-          "the case with comments, and prints its check as pinode_check "
+          "the case with comments and prints its check, as pinode_check "
           "does.",
           &status, &logs)) {
     return status;

@@ -24,18 +24,19 @@
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/problem/simulation.h"
 
-DEFINE_string(case, "",
-              "case file (TOML); what it has, the page on case files says "
-              "(case_files.md, in the source tree pinode/case/README.md)");
+DEFINE_string(
+    case, "",
+    "case file (TOML); format: see case_files.md (in the source tree: "
+    "pinode/case/README.md)");
 DEFINE_string(output_dir, "",
               "folder for the responses; must not exist without --overwrite");
 DEFINE_bool(overwrite, false, "replace an existing output folder");
 DEFINE_bool(mat, false,
-            "write results.mat too, with all responses, for MATLAB and Octave");
+            "also write results.mat for MATLAB and Octave, with all responses");
 DEFINE_double(noise_percent, -1.0,
               "noise in per cent of each channel's standard deviation; "
-              "negative: as the case says");
-DEFINE_int64(seed, -1, "seed of the noise; negative: as the case says");
+              "negative: as in the case");
+DEFINE_int64(seed, -1, "seed of the noise; negative: as in the case");
 
 namespace pinode {
 namespace {
@@ -111,8 +112,8 @@ int RunProgram(int argc, char** argv) {
   int status;
   if (!ParseFlags(argc, argv,
                   "pinode_simulate --case=FILE --output_dir=FOLDER\n\n"
-                  "Writes the response of the model to each record's "
-                  "excitation, response_<record>.csv.",
+                  "Simulates the response to the excitation of each record and "
+                  "writes response_<record>.csv.",
                   &status)) {
     return status;
   }

@@ -31,8 +31,8 @@
 #include "pinode/report/html_report.h"
 
 DEFINE_bool(profiles, false,
-            "profile the likelihood of each named free parameter after the "
-            "fit, as [profiles] in the case does");
+            "compute likelihood profiles of all named free parameters after "
+            "the fit, like [profiles] in the case");
 
 namespace pinode {
 namespace {
@@ -127,7 +127,7 @@ int RunProgram(int argc, char** argv) {
               folder.final_path().c_str());
   if (cut_off) {
     std::fprintf(stderr,
-                 "interrupted; what was found so far is in %s, continue with "
+                 "interrupted; the best result so far is in %s; continue with "
                  "--resume\n",
                  folder.final_path().c_str());
   }

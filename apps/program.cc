@@ -44,8 +44,8 @@ void OnInterrupt(int signal) {
     }
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr,
-                 "out of memory; fewer samples, sensors or threads take less. "
-                 "If there is a checkpoint, --resume goes on from it\n");
+                 "out of memory; use fewer samples, sensors or threads. "
+                 "If there is a checkpoint, --resume continues from it\n");
     std::fflush(nullptr);
     std::_Exit(kExitNotUsable);
   } catch (...) {
@@ -145,7 +145,7 @@ int CannotWrite(const std::string& message, const ResultFolder& folder) {
   const bool can_resume =
       std::filesystem::exists(folder.checkpoint_path(), status);
   std::fprintf(stderr, "%s%s\n", message.c_str(),
-               can_resume ? "; --resume goes on from what was found" : "");
+               can_resume ? "; continue with --resume" : "");
   return kExitNotUsable;
 }
 

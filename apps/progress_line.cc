@@ -22,14 +22,14 @@ void ProgressLine::Show(const std::string& prefix,
   if (!enabled_ || !Due()) return;
   char text[256];
   std::snprintf(text, sizeof(text),
-                "stage %d/%d  iteration %d  cost %.6g  free-run error %.3g  "
+                "stage %d/%d  iteration %d  cost %.6g  simulation error %.3g  "
                 "%.0f s",
                 progress.stage, progress.num_stages, progress.iteration,
                 progress.cost, progress.free_run_error,
                 progress.elapsed_seconds);
   std::string line = prefix + text;
   if (progress.expected_seconds > 0.0) {
-    std::snprintf(text, sizeof(text), ", %.0f s if every iteration is needed",
+    std::snprintf(text, sizeof(text), ", at most %.0f s",
                   std::ceil(progress.expected_seconds));
     line += text;
   }

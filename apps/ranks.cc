@@ -16,8 +16,8 @@
 #endif
 
 DEFINE_double(rank_timeout, 300.0,
-              "under mpirun: seconds after which a rank that does not answer "
-              "ends the run");
+              "under mpirun: end the run if a rank has not answered for this "
+              "time, in seconds");
 
 namespace pinode {
 
@@ -72,7 +72,8 @@ struct Ranks::Mpi {};
 Ranks::Ranks() : tables_(std::make_unique<SharedTables>(nullptr)) {
   if (NumLaunchedRanks() == 1) return;
   std::exit(Refuse("started as one of " + std::to_string(NumLaunchedRanks()) +
-                   " ranks, but built without MPI (PINODE_MPI)"));
+                   " ranks, but built without MPI; build with "
+                   "-DPINODE_MPI=ON"));
 }
 
 Communicator* Ranks::communicator() const { return nullptr; }
@@ -99,7 +100,9 @@ bool Ranks::Agree(bool ok, const std::string& identity, std::string* error) {
   if (!ranks.Broadcast(0, &expected)) return false;
   if (ok && !expected.empty() && identity != expected) {
     ok = false;
-    *error = "it reads another case, or other data, than the first rank";
+    *error =
+        "its case or data differ from those of the first rank; give all "
+        "ranks the same files";
   }
   Vector failed = Vector::Zero(ranks.size());
   failed[ranks.rank()] = ok ? 0.0 : 1.0;

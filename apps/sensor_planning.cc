@@ -65,9 +65,8 @@ std::string CasePlanText(const Case& c, const CasePlan& planned) {
             DurationsText(c.problem, planned.durations);
   }
   if (!planned.excitations.empty()) {
-    text +=
-        "\nWith the first force of each record alone, and sensors for it\n" +
-        ExcitationsText(c.plan.options, planned.excitations);
+    text += "\nWith only the first force of each record, and sensors for it\n" +
+            ExcitationsText(c.plan.options, planned.excitations);
   }
   return text;
 }

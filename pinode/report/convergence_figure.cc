@@ -96,7 +96,7 @@ void PlotErrors(const Course& course, FigureScript* script) {
   script->Line("unset key");
   script->Line("set autoscale y");
   script->Line("set xlabel 'iteration'");
-  script->Line("set ylabel 'free-run error, %'");
+  script->Line("set ylabel 'simulation error, %'");
   Interval errors;
   for (const double error : course.error_y) errors.Add(error);
   script->Line(Range("y", errors.low / 2.0, errors.high * 4.0));

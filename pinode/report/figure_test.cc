@@ -217,8 +217,8 @@ TEST_F(FigureTest, ShowsModeShapesThatAgreeInSign) {
 
 TEST_F(FigureTest, ShowsConvergenceByStages) {
   const std::string svg = Draw(MakeConvergenceFigure(example_->input));
-  for (const char* text : {"cost", "free-run error, %", "iteration", "rejected",
-                           ">25<", ">2.07<"}) {
+  for (const char* text : {"cost", "simulation error, %", "iteration",
+                           "rejected", ">25<", ">2.07<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   // Rejected steps do not flatten the rest.
@@ -229,7 +229,7 @@ TEST_F(FigureTest, ShowsConvergenceByStages) {
               Not(HasSubstr("e+82")));
   example_->summary.stages.clear();
   EXPECT_THAT(Draw(MakeConvergenceFigure(example_->input)),
-              Not(HasSubstr("free-run")));
+              Not(HasSubstr("simulation")));
   example_->summary.iterations.clear();
   EXPECT_TRUE(MakeConvergenceFigure(example_->input).empty());
 }

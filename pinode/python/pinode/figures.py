@@ -338,7 +338,7 @@ def convergence(outcome: Any) -> "Figure | None":
             axes[1].annotate(f"{error:.3g}", (end, error), xytext=(-2, 5),
                              textcoords="offset points", ha="right", size="small")
         axes[1].margins(y=0.3)
-        axes[1].set_ylabel("free-run error (%)")
+        axes[1].set_ylabel("simulation error (%)")
     for ax in axes:
         ax.set_xlim(-0.5, len(cost) - 0.5)
     axes[-1].set_xlabel("iteration")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 
-# "stage 1 of 5, 29 iterations in 00:05, free-run error 3.2 %, cost 812". How long it
+# "stage 1 of 5, 29 iterations in 00:05, simulation error 3.2 %, cost 812". How long it
 # will take is not known: a stage ends where it has converged.
 _FORMAT = "{desc}, {n_fmt} iterations in {elapsed}{postfix}"
 
@@ -55,7 +55,7 @@ def watched(
             refresh=False,
         )
         bar.set_postfix_str(
-            f"free-run error {100.0 * state['free_run_error']:.3g} %, cost {state['cost']:.4g}",
+            f"simulation error {100.0 * state['free_run_error']:.3g} %, cost {state['cost']:.4g}",
             refresh=False,
         )
         # Each of several fits counts from zero.

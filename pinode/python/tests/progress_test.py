@@ -52,7 +52,7 @@ def test_silent_unless_asked_where_there_is_no_terminal(healthy, capfd):
     written = capfd.readouterr()
     assert "identify" in written.err and "iterations" in written.err and written.out == ""
     shown = [line.strip() for line in written.err.split("\r") if "stage" in line]
-    assert all(re.fullmatch(r"stage 1 of 1, \d+ iterations? in \d\d:\d\d, free-run error \S+ %, "
+    assert all(re.fullmatch(r"stage 1 of 1, \d+ iterations? in \d\d:\d\d, simulation error \S+ %, "
                             r"cost \S+", line) for line in shown), shown
     # It leaves nothing behind.
     assert written.err.split("\r")[-1].strip() == ""
@@ -141,7 +141,7 @@ def test_counts_the_iterations_beside_a_callback(healthy, bars):
     assert bar.counts == sorted(bar.counts)
     assert bar.words[-1].startswith("stage 1 of 1")
     assert f"cost {seen[-1]['cost']:.4g}" in bar.words[-1]
-    assert "free-run error" in bar.words[-1]
+    assert "simulation error" in bar.words[-1]
 
 
 def test_counts_on_where_another_fit_begins(bars):
