@@ -123,7 +123,7 @@ paste -d, wind.csv S/response_wind.csv | awk -F, '
 WithForce 'excitation = "ambient"\
 ' | sed 's/wind.csv/both.csv/' >both.toml
 Run 0 pinode_check --case=both.toml
-grep -q "measured beside them, band_limited between samples: force_u3" stdout ||
+grep -q "measured loads, band_limited between samples: force_u3" stdout ||
   Fail "nothing of the measured load"
 Run 0 pinode_update --case=both.toml --output_dir=both --progress=false
 Near "$(awk '$1 == "k1" { print $3; exit }' stdout)" 0.25 0.004
@@ -199,7 +199,7 @@ grep -A1 '"covariates"' seasons/result.json | grep -q '"temperature": 10' ||
 Run 0 pinode_damage --baseline=seasons --case=winter.toml --output_dir=winter \
   --progress=false
 grep -qF '"verdict": "no_damage"' winter/damage.json || Fail "not healthy"
-grep -q "Held at what the baselines say.*: per_degree" winter/report.html ||
+grep -q "Held at the baselines.* values.*: per_degree" winter/report.html ||
   Fail "nothing of what was held"
 [[ $(grep -A8 '"per_degree"' winter/model.toml) == *"free = false"* ]] ||
   Fail "not held in model.toml"

@@ -107,11 +107,11 @@ grep -qF 'belongs to another case' stderr || Fail "taken over by another case"
 sed 's/polynomial_degree = 2/expressions = ["x[s]^3"]\npolynomial_degree = 0/' \
   quarter_car.toml >other.toml
 Run 2 pinode_discover --case=other.toml --output_dir=Q --resume
-grep -qF 'none of the candidates' stderr || Fail "taken over by another library"
+grep -qF 'not a candidate of the section' stderr || Fail "taken over by another library"
 Run 0 pinode_discover --case=quarter_car.toml --output_dir=Q --resume
 grep -qF '"usable": true' Q/discover.json || Fail "not usable after --resume"
 [[ $(grep -c '"basis"' Q/discover.json) -eq 9 ]] ||
   Fail "not nine terms: $(cat Q/equations.txt)"
 grep -qF '<h2>Equations</h2>' Q/report.html || Fail "no equations in the report"
 Run 2 pinode_discover --case=quarter_car.toml --output_dir=Q --resume
-grep -qF 'has come to its end' stderr || Fail "resumed what was finished"
+grep -qF 'refit there is complete' stderr || Fail "resumed what was finished"

@@ -73,8 +73,8 @@ Run 0 pinode_check --case=from_mat.toml --plan=2 --output_dir=P --mat
 cp stdout planned
 tested=pinode_check
 Refused "exists" --case=from_mat.toml --output_dir=C
-Refused "--mat goes with --output_dir" --case=from_mat.toml --mat
-Refused "--overwrite goes with --output_dir" --case=from_mat.toml --overwrite
+Refused "--mat needs --output_dir" --case=from_mat.toml --mat
+Refused "--overwrite needs --output_dir" --case=from_mat.toml --overwrite
 Run 0 pinode_check --case=from_mat.toml --output_dir=C --mat --overwrite
 
 # Motion of a car, and of a building in the wind, from .mat as well.

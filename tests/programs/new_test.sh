@@ -151,7 +151,7 @@ Unclear "no column 'Bodem'; did you mean 'Boden'?" before.csv "${frame[@]}" \
 Unclear "no column 'Etage'" before.csv "${frame[@]}" --sensors="Etage=1"
 Unclear "floor from 1 to 5" before.csv "${frame[@]}" --sensors="Etage 1=7"
 Unclear "--holdout" before.csv later.csv "${frame[@]}" --holdout=third.csv
-Unclear "nothing would be left" before.csv "${frame[@]}" --holdout=before.csv
+Unclear "none would be left to fit" before.csv "${frame[@]}" --holdout=before.csv
 Unclear "--damping_ratio is 2" before.csv "${frame[@]}" --damping_ratio=2
 # Without names, without units, and with names that say nothing.
 Edited '4,$s/^[^;]*;//'
@@ -208,12 +208,12 @@ awk -F';' -v OFS=';' 'NR > 5 {
     $4 = $4 ~ /^-/ ? substr($4, 2) : "-" $4 }
   { print }' before.csv >turned.csv
 Run 0 pinode_new turned.csv "${frame[@]}" --case=turned.toml
-grep -q "'Etage 2' moves against the other floors" stdout || Fail "the sign"
+grep -q "'Etage 2' moves opposite to the other floors" stdout || Fail "the sign"
 ! grep -q '^  sign' turned.toml || Fail "a sensor was turned"
 Run 0 pinode_new turned.csv "${frame[@]}" --case=signed.toml \
   --sensors="Etage 1=1,Etage 2=-2,Etage 3=3,Etage 4=4,Etage 5=5"
 [[ $(grep -c '^  sign      = -1' signed.toml) -eq 1 ]] || Fail "no sign"
-! grep -q "moves against" stdout || Fail "the sign is asked for again"
+! grep -q "moves opposite" stdout || Fail "the sign is asked for again"
 
 # A deck with its exports in place of storeys, and forces in place of the base.
 mkdir deck
@@ -226,7 +226,7 @@ Unclear "Give --deck_units=" deck/healthy_1.csv "${deck[@]}"
 Unclear "--deck_units is 'N,kg'" deck/healthy_1.csv "${deck[@]}" \
   --deck_units=N,kg
 Unclear "Give --factor=2" deck/healthy_1.csv "${deck[@]}" --deck_units=N,m
-Unclear "at which node of the deck" deck/healthy_1.csv "${deck[@]}" \
+Unclear "at which node and in which direction" deck/healthy_1.csv "${deck[@]}" \
   "${units[@]}"
 Unclear "with a node of the deck" deck/healthy_1.csv "${deck[@]}" \
   "${units[@]}" --sensors="a1x=999999.1"
@@ -238,7 +238,7 @@ Unclear "no matrices alone.sti" deck/healthy_1.csv --deck=alone.inp \
 Run 0 pinode_new deck/healthy_1.csv "${deck[@]}" "${units[@]}" \
   --sensors="$sensors" --case=deck.toml
 [[ $(grep -c '^changed_export' deck.toml) -eq 9 ]] || Fail "groups"
-grep -q 'left out, as they are called like no element set: .*mass_1.mas' stdout ||
+grep -q 'left out, because no element set has their name: .*mass_1.mas' stdout ||
   Fail "what was left out is not said"
 grep -q 'pinode_update .* --deck=deck/frame.inp' stdout || Fail "next step"
 

@@ -60,7 +60,7 @@ bool CheckFiles(const DraftRequest& request, std::string* error) {
     for (const std::string& file : files) {
       std::error_code status;
       if (std::filesystem::equivalent(path, file, status)) {
-        *error = "--case is a record, " + file + "; give another name";
+        *error = "--case is also a record: " + file + "; give another name";
         return false;
       }
     }
@@ -70,7 +70,7 @@ bool CheckFiles(const DraftRequest& request, std::string* error) {
     return true;
   }
   *error = "--holdout: " + Quote(request.holdout) +
-           " is none of the records; use one of " + Join(files, " ") +
+           " is not one of the records; use one of " + Join(files, " ") +
            " or none";
   return false;
 }
@@ -79,8 +79,8 @@ bool ReadStoreys(const DraftRequest& request, int* storeys,
                  DraftQuestion* question, std::string* error) {
   if (request.storeys.empty()) {
     *question = {"storeys",
-                 "How many storeys the building has is not known (a "
-                 "finite-element model: --deck)",
+                 "The number of storeys is not known (for a finite-element "
+                 "model give --deck)",
                  "5"};
     return false;
   }
@@ -110,10 +110,9 @@ bool SetDampingRatio(const DraftRequest& request, CaseDraft* draft,
 bool SetMasses(const DraftRequest& request, int storeys, CaseDraft* draft,
                DraftQuestion* question, std::string* error) {
   if (request.weights.empty()) {
-    *question = {"weights",
-                 "The weights of the floors, with their unit, are not known",
-                 "\"900 kN\" (for all floors, or one each from the lowest up, "
-                 "with commas; N kN MN kgf lbf kip kg t)"};
+    *question = {"weights", "The weights of the floors are not known",
+                 "\"900 kN\" (one for all floors, or one each from the lowest "
+                 "up, with commas; units: N kN MN kgf lbf kip kg t)"};
     return false;
   }
   FloorMasses masses;
@@ -139,8 +138,7 @@ bool SetDeck(const DraftRequest& request, CaseDraft* draft,
   }
   if (request.deck_units.empty()) {
     *question = {"deck_units",
-                 "The units of force and length of the deck's numbers are not "
-                 "known",
+                 "The units of force and length in the deck are not known",
                  "N,mm (or N,m, kip,in, ...)"};
     return false;
   }
@@ -156,8 +154,8 @@ bool SetDeck(const DraftRequest& request, CaseDraft* draft,
   }
   if (request.factor.empty()) {
     *question = {"factor",
-                 "The factor of the sets' properties in their exports is not "
-                 "known (pinode.calculix.export takes 2)",
+                 "The factor on the properties of the element sets in their "
+                 "exports is not known (pinode.calculix.export uses 2)",
                  "2"};
     return false;
   }
@@ -169,12 +167,13 @@ bool SetDeck(const DraftRequest& request, CaseDraft* draft,
     return false;
   }
   if (draft->deck_factor == 1.0) {
-    *error = "--factor is 1, expected the factor of the exports";
+    *error =
+        "--factor is 1, which changes nothing; give the factor of the exports";
     return false;
   }
   if (!deck->left_out.empty()) {
     draft->assumptions.push_back(
-        request.deck + ": left out, as they are called like no element set: " +
+        request.deck + ": left out, because no element set has their name: " +
         Join(deck->left_out, ", ") + ".");
   }
   draft->deck = deck;
@@ -207,8 +206,8 @@ bool SetFirstMode(const DraftRequest& request, CaseDraft* draft,
   }
   if (draft->first_mode_hz <= 0.0) {
     *question = {"first_mode_hz",
-                 "The spectra of the records have no clear peak; about where "
-                 "the first mode is (Hz) is needed, or --stiffness",
+                 "The spectra of the records have no clear peak. An estimate "
+                 "of the first mode in Hz is needed, or --stiffness",
                  "1.2"};
     return false;
   }
@@ -296,7 +295,7 @@ void AddSignRemarks(const DraftRecord& record, const FirstMode& mode,
     const DraftSignal& signal = record.floors[c];
     remarks->push_back(
         record.file + ": sensor " + Quote(signal.column) +
-        " moves against the other floors in the first mode (" + hz +
+        " moves opposite to the other floors in the first mode (" + hz +
         "). If it is upside down, set sign = -1 in the case, or give its floor "
         "as " +
         std::to_string(signal.is_upside_down ? signal.floor : -signal.floor) +
@@ -304,7 +303,7 @@ void AddSignRemarks(const DraftRecord& record, const FirstMode& mode,
   }
   if (mode.is_base_reversed) {
     remarks->push_back(
-        record.file + ": the floors move against the base's sensor " +
+        record.file + ": the floors move opposite to the sensor of the base, " +
         Quote(record.base[0].column) + " in the first mode (" + hz +
         "). If it is upside down, set sign = -1 for it in the case.");
   }
@@ -343,7 +342,8 @@ void AddAssumptions(const LogFile& log, const DraftRecord& record,
   }
   if (log.is_time_unit_assumed && !log.time_column.empty()) {
     assumptions->push_back(log.path + ": the times in " +
-                           Quote(log.time_column) + " are taken as seconds.");
+                           Quote(log.time_column) +
+                           " are read as seconds, because no unit is stated.");
   }
 }
 
@@ -358,7 +358,7 @@ bool CheckComplete(const LogFile& log, const std::string& column,
   *error = log.path + ": column " + Quote(column) + " misses " +
            std::to_string(missing) + " samples, the first one " +
            FormatNumber(static_cast<double>(first) * log.step, 6) +
-           " s after the start; an excitation has to be complete: fill the gap "
+           " s after the start; an excitation must be complete: fill the gap "
            "in the file, or cut the record there";
   return false;
 }
@@ -374,7 +374,8 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
   }
   if (holdout == 0 && logs.size() == 1) {
     *error = "--holdout: " + logs[0].path +
-             " is the only record of its state; nothing would be left to fit";
+             " is the only record of its state, so none would be left to fit; "
+             "give another record or none";
     return false;
   }
   for (size_t i = 0; i < logs.size(); ++i) {
@@ -392,8 +393,8 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
     const bool is_ambient = record.base.empty() && record.forces.empty();
     if (is_ambient && logs[i].path == request.holdout) {
       *error = "--holdout: " + logs[i].path +
-               " has neither base nor force, so that nothing can be predicted; "
-               "give --holdout=none";
+               " has neither base nor force, so it cannot be predicted; give "
+               "--holdout=none";
       return false;
     }
     record.is_holdout = i == holdout && !is_ambient;
@@ -427,7 +428,7 @@ bool DraftCases(const DraftRequest& request, std::vector<CaseDraft>* drafts,
                 DraftQuestion* question, std::string* error) {
   *question = DraftQuestion();
   if (request.logs.empty()) {
-    *error = "no record; give the logger's file, and see --help";
+    *error = "no record is given; give the file of the logger, see --help";
     return false;
   }
   LogOptions options = request.time;

@@ -167,7 +167,7 @@ TEST_F(CaseDraftTest, SensorUpsideDownIsSaidAndNotTurned) {
   // Both turned: the base is against all.
   request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=-1,Dach=2";
   EXPECT_THAT(DraftOrFail()[0].remarks,
-              Contains(HasSubstr("against the base's sensor")));
+              Contains(HasSubstr("opposite to the sensor of the base")));
 }
 
 TEST_F(CaseDraftTest, OffsetsAndRecordsThatBeginInMotion) {

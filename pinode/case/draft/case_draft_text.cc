@@ -70,10 +70,11 @@ std::string StiffnessComment(const CaseDraft& draft) {
     case StiffnessOrigin::kGiven:
       return "from --stiffness";
     case StiffnessOrigin::kFirstMode:
-      return "alike, so that the first mode is at " + hz +
-             ", the records' first peak";
+      return "all equal, so that the first mode is at " + hz +
+             ", the first peak of the records";
     case StiffnessOrigin::kGivenFirstMode:
-      return "alike, so that the first mode is at " + hz + " (--first_mode_hz)";
+      return "all equal, so that the first mode is at " + hz +
+             " (--first_mode_hz)";
   }
   return "";
 }
@@ -81,20 +82,20 @@ std::string StiffnessComment(const CaseDraft& draft) {
 // Adds the model of a deck: its exports, and how they become small.
 void AddDeck(const CaseDraft& draft, std::string* out) {
   const DeckModel& deck = *draft.deck;
-  *out += "\n# The matrices that were exported from the deck.\n";
+  *out += "\n# Matrices exported from the deck.\n";
   *out += "[model.finite_element]\n";
   AppendLine("mass      = " + TomlText(PathInCase(deck.mass, draft.path)), "",
              out);
   AppendLine("stiffness = " + TomlText(PathInCase(deck.stiffness, draft.path)),
              "", out);
   *out +=
-      "\n# The DOFs of sensors and forces stay, and modes of the rest; "
-      "pinode_check says\n# what that costs.\n[model.reduction]\n";
+      "\n# Keeps the DOFs of sensors and forces, and modes of the rest. "
+      "pinode_check says\n# how accurate that is.\n[model.reduction]\n";
   AppendLine("method  = \"craig_bampton\"", "", out);
   const std::string modes = std::to_string(kReducedModes);
   AppendLine("modes   = " + modes, "", out);
-  AppendLine("compare = " + modes, "modes held against the whole model's", out);
-  AppendLine("renew   = true", "the basis follows what the fit finds", out);
+  AppendLine("compare = " + modes, "modes compared with the full model", out);
+  AppendLine("renew   = true", "the basis follows the result of the fit", out);
 }
 
 // Adds the groups of a deck, one a changed export.
@@ -112,7 +113,7 @@ void AddDeckGroups(const CaseDraft& draft, std::string* out) {
         "changed_export = " + TomlText(PathInCase(group.file, draft.path)), "",
         out);
     AppendLine("factor         = " + TomlNumber(draft.deck_factor),
-               "of the set's property in this export", out);
+               "factor on the property of the set in this export", out);
     AppendLine("lower          = -0.95", "", out);
     *out += "\n";
   }
@@ -135,9 +136,7 @@ void AddGeometry(const CaseDraft& draft, std::string* out) {
 
 void AddModel(const CaseDraft& draft, std::string* out) {
   const UnitSystem& units = draft.units;
-  *out +=
-      "\n# Units of the model's numbers. Records are in units of their "
-      "own.\n[units]\n";
+  *out += "\n# Units of the model. Records have units of their own.\n[units]\n";
   AppendLine("force  = " + TomlText(units.force), "", out);
   AppendLine("length = " + TomlText(units.length), "", out);
   AppendLine("time   = " + TomlText(units.time), "", out);
@@ -148,8 +147,8 @@ void AddModel(const CaseDraft& draft, std::string* out) {
       "damping = {rayleigh = [" + damping + "]}",
       FormatNumber(100.0 * draft.damping_ratio, 3) +
           (draft.num_storeys() == 1
-               ? " % of critical, a guess; the fit finds it, see c_mass"
-               : " % of critical, a guess; the fit finds it, see c_mass and "
+               ? " % of critical, a guess; the fit updates it, see c_mass"
+               : " % of critical, a guess; the fit updates it, see c_mass and "
                  "c_stiffness"),
       out);
   if (draft.deck != nullptr) {
@@ -190,8 +189,7 @@ void AddGroups(const CaseDraft& draft, std::string* out) {
     AddStoreys(draft, out);
   }
   *out +=
-      "# The two parts of the damping, each with a factor: -1 is none of "
-      "it.\n";
+      "# The two parts of the damping, each with a factor: -1 removes it.\n";
   *out += "[[group]]\n";
   AppendLine("name            = \"c_mass\"", "", out);
   AppendLine("adds_to         = \"damping\"", "", out);
@@ -223,11 +221,12 @@ void AddRecord(const DraftRecord& record, const std::string& case_path,
                std::string* out) {
   *out += "\n[[record]]\n";
   AppendLine("name = " + TomlText(record.name), "", out);
-  AppendLine(
-      std::string("role = ") +
-          (record.is_holdout ? "\"holdout\"" : "\"train\""),
-      record.is_holdout ? "not fitted: shows what the prediction is worth" : "",
-      out);
+  AppendLine(std::string("role = ") +
+                 (record.is_holdout ? "\"holdout\"" : "\"train\""),
+             record.is_holdout
+                 ? "not fitted: shows the quality of the prediction"
+                 : "",
+             out);
   AppendLine("file = " + TomlText(PathInCase(record.file, case_path)),
              FormatNumber(record.duration, 4) + " s at " +
                  FormatNumber(1.0 / record.step, 5) + " Hz",
@@ -293,7 +292,7 @@ std::string CaseDraftText(const CaseDraft& draft, const std::string& command) {
     if (c == '\n' || c == '\r') c = ' ';
   }
   std::string text = std::string(kFirstLine) + ":\n#   " + one_line +
-                     "\n# Check it, and change what is not so; every key: "
+                     "\n# Check it and correct what is wrong. All keys: "
                      "pinode/case/README.md (case_files.md).\n";
   text += "title = " + TomlText(TitleOf(draft)) + "\n";
   AddModel(draft, &text);
@@ -302,7 +301,7 @@ std::string CaseDraftText(const CaseDraft& draft, const std::string& command) {
     AddRecord(record, draft.path, &text);
   }
   if (draft.deck != nullptr) AddGeometry(draft, &text);
-  if (!draft.remarks.empty()) text += "\n# To be checked:\n";
+  if (!draft.remarks.empty()) text += "\n# Please check:\n";
   for (const std::string& remark : draft.remarks) {
     text += "# - " + remark + "\n";
   }

@@ -79,8 +79,8 @@ bool FindDeckModel(const std::string& deck, DeckModel* model,
     if (!result.stiffness.empty() && !result.mass.empty()) break;
   }
   if (result.stiffness.empty() || result.mass.empty()) {
-    *error = deck + ": no matrices " + stem + ".sti and " + stem +
-             ".mas beside it, and none in " + stem +
+    *error = deck + ": there are no matrices " + stem + ".sti and " + stem +
+             ".mas beside it or in " + stem +
              "_export; export them with pinode.calculix.export "
              "(pinode/python/README.md)";
     return false;
@@ -102,10 +102,11 @@ bool FindDeckModel(const std::string& deck, DeckModel* model,
   }
   if (result.groups.empty()) {
     *error = deck +
-             ": no matrix with an element set's property changed beside " +
+             ": there is no matrix with a changed property of an element set "
+             "beside " +
              result.stiffness +
-             ", expected files called like the sets; export "
-             "them with pinode.calculix.export (pinode/python/README.md)";
+             ", expected files named like the sets; export them with "
+             "pinode.calculix.export (pinode/python/README.md)";
     return false;
   }
   *model = std::move(result);

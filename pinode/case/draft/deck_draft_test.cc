@@ -73,7 +73,7 @@ TEST(DeckDraftTest, SaysWhatIsMissing) {
   EXPECT_FALSE(FindDeckModel(deck, &model, &error));
   folder.Write("frame.mas", "");
   EXPECT_FALSE(FindDeckModel(deck, &model, &error));
-  EXPECT_THAT(error, HasSubstr("element set's property changed"));
+  EXPECT_THAT(error, HasSubstr("with a changed property of an element set"));
   EXPECT_TRUE(model.groups.empty());
 }
 

@@ -144,7 +144,7 @@ bool ParseFloorWeights(const std::string& text, int storeys,
                                 ? amount.value * kilograms * newton / metre
                                 : amount.value * to_force / gravity);
     if (kilograms > 0.0) {
-      result.origin = "from --weights, which are masses";
+      result.origin = "from --weights (masses)";
     } else {
       result.origin = "weights / g, g = " + FormatNumber(gravity, 6) + " " +
                       UnitName(Dimension::kAcceleration, result.units);

@@ -67,7 +67,7 @@ bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
     question->flag = "time_unit";
     question->text = log->path + ": the unit of the times in column " +
                      Quote(log->time_column) +
-                     " is not stated; as seconds they are " +
+                     " is not stated. Read as seconds they are " +
                      FormatNumber(grid->step, 4) + " s apart";
     question->example = "ms";
     return false;
@@ -79,8 +79,8 @@ bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
 bool AskForTime(const std::string& path, DraftQuestion* question) {
   question->flag = "time";
   question->text = path +
-                   ": no column is the time by its name or clock times; "
-                   "name it, or give --sampling_rate_hz";
+                   ": no column is recognised as the time; name it with "
+                   "--time, or give --sampling_rate_hz";
   question->example = "COLUMN";
   return false;
 }
@@ -147,7 +147,7 @@ bool ReadBinaryLog(const LogOptions& options, LogFile* log,
   if (!needs_time) log->time_column.clear();
   if (columns.empty()) {
     *error = log->path +
-             ": no column of numbers beside the time, expected the "
+             ": there is no column of numbers except the time, expected "
              "records of sensors";
     return false;
   }
@@ -230,7 +230,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   }
   if (result.columns.empty()) {
     *error = path +
-             ": no column of numbers beside the time, expected the "
+             ": there is no column of numbers except the time, expected "
              "records of sensors";
     return false;
   }

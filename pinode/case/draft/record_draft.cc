@@ -137,10 +137,10 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
   if (!signal->unit_is_stated) {
     if (given.empty()) {
       question->flag = flag;
-      question->text = where + " states no unit of " + what;
+      question->text = where + " has no stated unit of " + what;
       question->example =
-          is_force ? "kN (or N, kip, lbf; for all forces without)"
-                   : "mg (or m/s^2, g, gal; for all columns without)";
+          is_force ? "kN (or N, kip, lbf; for all forces without a unit)"
+                   : "mg (or m/s^2, g, gal; for all columns without a unit)";
       return false;
     }
     signal->unit = CanonicalUnit(given);
@@ -150,7 +150,8 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
     return true;
   }
   *error = signal->unit_is_stated
-               ? where + " is in " + signal->unit + ", which is no " + what +
+               ? where + " is in " + signal->unit +
+                     ", which is not a unit of " + what +
                      "; leave it out with "
                      "--ignore=" +
                      signal->column +
@@ -173,8 +174,8 @@ bool CheckMoves(const LogFile& log, const DraftSignal& signal,
   }
   if (highest > lowest) return true;
   *error = log.path + ": column " + Quote(signal.column) +
-           " has the same value in every sample, as a dead sensor has; leave "
-           "it out with --ignore=\"" +
+           " has the same value in every sample, like a dead sensor; leave it "
+           "out with --ignore=\"" +
            signal.column + "\"";
   return false;
 }
@@ -198,11 +199,11 @@ void AskForSensors(const LogFile& log, const PlacesByName& by_name,
   question->flag = "sensors";
   question->text =
       log.path + ": it is not clear " +
-      (is_deck ? "at which node of the deck, and along which direction (1, 2, "
-                 "3), each sensor is: "
+      (is_deck ? "at which node and in which direction (1, 2, 3) of the deck "
+                 "each sensor is: "
                : "on which floor, 1 to " + std::to_string(draft.num_storeys()) +
                      " from the lowest above the base, each sensor is: ") +
-      by_name.doubt + "; columns that are not listed are left out";
+      by_name.doubt + ". Columns that are not listed are left out";
   question->example = "\"" + Join(answer, ",") + "\"";
 }
 
@@ -274,11 +275,11 @@ bool AddBase(const LogFile& log, const DraftRequest& request,
     if (found == by_name.places.end()) {
       if (!record->forces.empty()) return true;
       question->flag = "base";
-      question->text = log.path +
-                       ": which column is the base (ground) is not clear; "
-                       "columns: " +
-                       Join(log.ColumnNames(), ", ") +
-                       "; 'none' if its motion was not measured";
+      question->text =
+          log.path +
+          ": it is not clear which column is the base (ground). Columns: " +
+          Join(log.ColumnNames(), ", ") +
+          ". Give 'none' if its motion was not measured";
       question->example = "COLUMN";
       return false;
     }
@@ -291,8 +292,8 @@ bool AddBase(const LogFile& log, const DraftRequest& request,
   if (base.dof.empty()) {
     *question = {"base_direction",
                  log.path +
-                     ": along which direction of the deck the base's "
-                     "sensor " +
+                     ": the direction in the deck is not known for the sensor "
+                     "of the base, " +
                      Quote(base.column) + " is is not known",
                  "x (or y, z)"};
     return false;
@@ -396,7 +397,7 @@ bool CheckColumnAnswers(const DraftRequest& request,
       }
       if (place.column == used) {
         *error = flag + " names " + Quote(place.column) +
-                 ", which is the base by --base; name it once";
+                 ", but --base names it too; name it once";
         return false;
       }
     }

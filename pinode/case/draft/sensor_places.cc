@@ -193,7 +193,7 @@ PlacesByName FindPlacesByName(const std::vector<std::string>& names,
         if (floors_clear) {
           result.places[i] = meaning.number;
         } else {
-          doubt(i, " may be counted from the ground floor or from above it; " +
+          doubt(i, " may count from the ground floor or from above it; " +
                        storeys_text);
         }
         break;
@@ -213,8 +213,7 @@ PlacesByName FindPlacesByName(const std::vector<std::string>& names,
       if (i == j || places[i] == kPlaceUnclear || places[i] != places[j]) {
         continue;
       }
-      doubt(i,
-            " and " + Quote(names[j]) + " have the same place by their names");
+      doubt(i, " and " + Quote(names[j]) + " have names of the same place");
     }
   }
   return result;

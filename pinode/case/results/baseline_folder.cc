@@ -117,7 +117,7 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   if (!usable) {
     *error = path + ": the result is not usable (" +
              json.value("message", std::string()) +
-             "), expected one of a healthy record that is";
+             "), expected the usable result of a baseline record";
     return false;
   }
   std::vector<double> values;
@@ -126,7 +126,9 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
         !parameter.value("name", Json()).is_string() ||
         !parameter.value("value", Json()).is_number() ||
         !parameter.value("free", Json()).is_boolean()) {
-      *error = path + ": a parameter lacks its name, value or free";
+      *error =
+          path +
+          ": a parameter has no name, value or 'free'; run pinode_update again";
       return false;
     }
     result->names.push_back(parameter["name"]);
@@ -256,8 +258,8 @@ bool SameGroup(const std::string& folder, const Case& c,
     if (matrix.rows() != term.group.matrix.rows() ||
         !matrix.isApprox(term.group.matrix, 1e-9)) {
       *error = file +
-               ": differs from the case's matrix of that group, expected a "
-               "baseline of the same structure in the same units";
+               ": differs from the matrix of this group in the case, expected "
+               "a baseline of the same structure in the same units";
       return false;
     }
   }
@@ -330,8 +332,8 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
     const Eigen::Index row = IndexOf(result.free, names[i]);
     if (row < 0) {
       *error = path("result.json") + ": group '" + names[i] +
-               "' of the case is not among its free parameters, expected a "
-               "baseline with the same groups";
+               "' of the case is not free there, expected a baseline with the "
+               "same free groups";
       return false;
     }
     rows.push_back(static_cast<int>(row));

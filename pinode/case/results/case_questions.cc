@@ -124,17 +124,18 @@ std::string SlipOf(double factor, const UnitSystem& units) {
   };
   const std::string unit = UnitName(Dimension::kAcceleration, units);
   if (near(gravity)) {
-    return " The factor is that of weights in place of masses: divide them by "
-           "g = " +
+    return " The factor suggests weights instead of masses: divide them by g "
+           "= " +
            FormatNumber(gravity, 5) + " " + unit + ".";
   }
   if (near(1.0 / gravity)) {
-    return " The factor is that of masses that were divided by g = " +
-           FormatNumber(gravity, 5) + " " + unit + " once too often.";
+    return " The factor suggests masses that were divided by g = " +
+           FormatNumber(gravity, 5) + " " + unit +
+           " once too often: multiply them.";
   }
   if (near(1000.0) || near(1e-3)) {
-    return " The factor is that of a thousand in stiffness or mass: kN beside "
-           "kg, or N beside t. The unit of mass is " +
+    return " The factor suggests an error of 1000 in stiffness or mass, such "
+           "as kN with kg or N with t. The unit of mass is " +
            MassUnitName(units) + ".";
   }
   return "";
@@ -192,8 +193,8 @@ std::vector<std::string> FindQuestions(const Case& c,
       questions.push_back("Mode " + std::to_string(i + 1) +
                           " has a damping of " +
                           FormatNumber(100.0 * ratio, 3) +
-                          " % of critical. Is the damping meant so? Check its "
-                          "unit, and the coefficients of `rayleigh`.");
+                          " % of critical. Check the unit of the damping and "
+                          "the coefficients of `rayleigh`.");
     }
   }
   for (const RecordPeaks& record : peaks) {
@@ -215,8 +216,7 @@ std::vector<std::string> FindQuestions(const Case& c,
     questions.push_back("Record '" + record.record +
                         "': the responses have peaks at " +
                         FormatNumber(record.hz[0], 3) +
-                        " Hz and above, the model's modes "
-                        "begin at " +
+                        " Hz and above, but the modes of the model begin at " +
                         FormatNumber(model[0], 3) + " Hz, " +
                         FormatNumber(all_above ? factor : 1.0 / factor, 3) +
                         (all_above ? " times lower." : " times higher.") +

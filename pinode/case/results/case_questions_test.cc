@@ -75,10 +75,10 @@ TEST_F(CaseQuestionsTest, WeightsLookLikeMasses) {
       Replaced(SmallCase(), "[2.0, 1.0]", "[19.62, 9.81]");
   const CaseCheck check = Check(weights, {1.125, 2.251});
   ASSERT_EQ(check.questions.size(), 1u);
-  EXPECT_THAT(check.questions[0],
-              AllOf(HasSubstr("Record 'quake'"), HasSubstr("times lower"),
-                    HasSubstr("weights in place of masses"),
-                    HasSubstr("9.8066 m/s^2")));
+  EXPECT_THAT(
+      check.questions[0],
+      AllOf(HasSubstr("Record 'quake'"), HasSubstr("times lower"),
+            HasSubstr("weights instead of masses"), HasSubstr("9.8066 m/s^2")));
 }
 
 TEST_F(CaseQuestionsTest, AThousandIsNamed) {

@@ -166,7 +166,7 @@ Json Check(const Case& c, const CaseCheck& check) {
                     : !check.ok()           ? check.not_assessed
                     : !check.confusions.empty()
                         ? "every named parameter is determined by the data, if "
-                          "what they cannot tell is as the case says"
+                          "the case is right about the confusions"
                     : assessment.undetermined.empty()
                         ? "every named parameter is determined by the data"
                         : "the data do not determine every named parameter";
@@ -250,7 +250,7 @@ bool MayGiveWayToCheck(const std::string& folder, std::string* error) {
       continue;
     }
     *error = folder + ": has " + name +
-             ", which a check does not replace, expected another folder";
+             ", which a check does not replace; give another folder";
     return false;
   }
   return true;

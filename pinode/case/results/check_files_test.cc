@@ -147,8 +147,8 @@ TEST(MayGiveWayToCheck, AnEarlierCheckAndNoFit) {
   std::ofstream(folder + "/result.json") << "{}";
   EXPECT_FALSE(MayGiveWayToCheck(folder, &error));
   EXPECT_EQ(error, folder +
-                       ": has result.json, which a check does not replace, "
-                       "expected another folder");
+                       ": has result.json, which a check does not replace; "
+                       "give another folder");
 }
 
 // Unknown values are null in JSON and an empty cell in a table.

@@ -215,14 +215,14 @@ bool ReadCheckpoint(const std::string& path,
   }
   if (json["problem"] != ProblemIdentity(problem)) {
     *error = path +
-             ": belongs to another case, the case or its data have changed "
-             "since, or an older pinode wrote it; expected the same case "
-             "(options may change), otherwise run pinode_update again";
+             ": belongs to another case, to an earlier state of this case or "
+             "its data, or to an older pinode; only options may change. Run "
+             "pinode_update again";
     return false;
   }
   Checkpoint result;
   if (!ParseCheckpoint(json, &result)) {
-    *error = path + ": a key is missing or holds something else than expected";
+    *error = path + ": a key is missing or has a wrong value";
     return false;
   }
   const int expected =

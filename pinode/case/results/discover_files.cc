@@ -147,10 +147,13 @@ std::string BasisAsLatex(const std::string& basis) {
 
 std::string EquationsAsText(const Discovery& discovery) {
   std::string text =
-      "In place of the networks: accelerations are added to dv/dt, forces are "
-      "subtracted\nfrom the right-hand side of M a + C v + K x = B u.\n";
+      "These equations replace the networks. Accelerations are added to dv/dt. "
+      "Forces are\nsubtracted from the right-hand side of M a + C v + K x = "
+      "B u.\n";
   if (!discovery.refitted) {
-    text += "Coefficients as regressed, not refitted through the ODE.\n";
+    text +=
+        "The coefficients come from the regression. They were not refitted to "
+        "the simulation.\n";
   }
   for (size_t e = 0; e < discovery.equations.size(); ++e) {
     const DiscoveredEquation& equation = discovery.equations[e];
@@ -291,8 +294,8 @@ bool ReadDiscoverCheckpoint(const std::string& path,
   }
   if (json["schema"] == "pinode-checkpoint-1") {
     return fail(
-        "the refit there has come to its end, expected an interrupted one, or "
-        "--overwrite");
+        "the refit there is complete, expected an interrupted one; give "
+        "--overwrite to replace it");
   }
   if (json["schema"] != kCheckpointSchema || !json.contains("problem") ||
       !json.contains("equations") || !json["equations"].is_array()) {
@@ -321,9 +324,9 @@ bool ReadDiscoverCheckpoint(const std::string& path,
           !term["basis"].is_string() || !term.contains("coefficient") ||
           !term["coefficient"].is_number() ||
           !FindTerm(result[e], term["basis"].get<std::string>(), &found)) {
-        return fail("output '" + result[e].output +
-                    "' has a term that is none of the candidates of the "
-                    "section [discover]");
+        return fail(
+            "output '" + result[e].output +
+            "' has a term that is not a candidate of the section [discover]");
       }
       found.coefficient = term["coefficient"].get<double>();
       found.share =

@@ -85,7 +85,7 @@ TEST_F(DiscoverFiles, CheckpointKeepsTermsAndCoefficients) {
   equation_.candidates.clear();
   EXPECT_FALSE(
       ReadDiscoverCheckpoint(path, "abc", {equation_}, &resumed, &error_));
-  EXPECT_THAT(error_, HasSubstr("none of the candidates"));
+  EXPECT_THAT(error_, HasSubstr("not a candidate of the section"));
   EXPECT_FALSE(ReadDiscoverCheckpoint(path, "abc", {}, &resumed, &error_));
   for (const char* text :
        {"", "{}", "[1]", "{\"schema\": 3}",

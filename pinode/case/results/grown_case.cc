@@ -37,7 +37,7 @@ bool CaseOf(const Case& c, const TomlValue& tree,
     return false;
   }
   if (!SameUnknowns(grown.problem, problem)) {
-    *error = c.path + ": has other unknowns than what was made of it";
+    *error = c.path + ": has other unknowns than the case made from it";
     return false;
   }
   ProblemDescription description = std::move(grown.problem.description);
@@ -82,7 +82,7 @@ void KeepProfiles(Case* c, TomlValue* tree) {
   }
   if (kept.size() == c->profiles->size()) return;
   c->problem.description.remarks.push_back(
-      "Some of the parameters that [profiles] names are not free any more.");
+      "Some parameters in [profiles] are no longer free.");
   // An empty list would stand for all.
   if (kept.empty()) {
     c->profiles.reset();

@@ -44,12 +44,11 @@ class ModelCaseWriter {
            SetElements() && SetLibraries() && SetForces() && SetRecords() &&
            SetModes() && SetReferenceCurves() && SetGeometry() &&
            WriteArrays() &&
-           WriteFileAtomically(
-               Path("model.toml"),
-               "# The model after the identification; see the keys' meaning "
-               "in the case it was made from.\n" +
-                   FormatToml(root_),
-               error_);
+           WriteFileAtomically(Path("model.toml"),
+                               "# The model after the identification. The "
+                               "original case explains the keys.\n" +
+                                   FormatToml(root_),
+                               error_);
   }
 
  private:

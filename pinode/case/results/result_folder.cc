@@ -102,14 +102,14 @@ void KeepCheckpoint(const fs::path& folder) {
 bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
                        std::string* error) {
   if (path.empty()) {
-    *error = "the output folder has no name, expected a folder to be created";
+    *error = "the name of the output folder is empty; give --output_dir=FOLDER";
     return false;
   }
   const fs::path folder = Canonical(path);
   std::error_code status;
   if (fs::exists(folder, status)) {
     if (!fs::is_directory(folder, status)) {
-      *error = path + ": is not a folder, expected one, or a new name";
+      *error = path + ": is not a folder; give a folder or a new name";
       return false;
     }
     const bool empty = fs::is_empty(folder, status);
@@ -119,14 +119,14 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
     }
     if (!empty && !overwrite && !resume) {
       *error = path +
-               ": the output folder exists and is not empty, expected a new "
-               "one, --overwrite, or --resume to go on with a fit";
+               ": the output folder exists and is not empty; give a new one, "
+               "--overwrite, or --resume to continue a fit";
       return false;
     }
     if (!empty && !HasMarker(folder)) {
-      *error = path +
-               ": holds no results of pinode and is not replaced, expected "
-               "another folder";
+      *error =
+          path +
+          ": has no results of pinode and is not replaced; give another folder";
       return false;
     }
   }
@@ -138,7 +138,7 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
   if (!fs::is_directory(existing, status) ||
       ::access(existing.c_str(), W_OK | X_OK) != 0) {
     *error = path + ": the output folder cannot be created in " +
-             existing.string() + ", expected a folder that can be written to";
+             existing.string() + ", expected a writable folder";
     return false;
   }
   return true;
@@ -169,7 +169,7 @@ bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
   for (const Leftover& leftover : leftovers) {
     if (!leftover.IsAlive()) continue;
     *error = path + ": process " + std::to_string(leftover.process) +
-             " is writing to this folder, expected another one";
+             " is writing to this folder; wait for it or give another folder";
     return false;
   }
   bool taken_over = false;
@@ -186,7 +186,7 @@ bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
     fs::remove_all(working, status);
     if (!fs::create_directory(working, status) || status) {
       *error = path + ": the output folder cannot be created (" +
-               status.message() + "), expected a folder that can be written to";
+               status.message() + "), expected a writable folder";
       return false;
     }
   }

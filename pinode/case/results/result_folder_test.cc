@@ -75,7 +75,7 @@ TEST(ResultFolderTest, ExistingFolders) {
   EXPECT_THAT(error, HasSubstr("exists and is not empty"));
   // Foreign files are not replaced, whatever was requested.
   EXPECT_FALSE(CheckOutputFolder(path, true, false, &error));
-  EXPECT_THAT(error, HasSubstr("holds no results of pinode"));
+  EXPECT_THAT(error, HasSubstr("has no results of pinode"));
   Write(path, "result.json", "old");
   EXPECT_FALSE(CheckOutputFolder(path, false, false, &error));
   EXPECT_TRUE(CheckOutputFolder(path, true, false, &error)) << error;

@@ -121,11 +121,11 @@ bool IsAsPresent(const std::string& what, const StructuralDynamics& dynamics,
     if (std::abs(offsets[row] - said) <= 1e-6 * (1.0 + std::abs(said))) {
       continue;
     }
-    *error =
-        what + ": the matrices of the baseline hold " +
-        FormatNumber(offsets[row] - said, 3) + " times group '" + names[i] +
-        "' more than those of the case, and no 'present' says so; expected "
-        "a baseline of the same nominal structure";
+    *error = what + ": the matrices of the baseline have " +
+             FormatNumber(offsets[row] - said, 3) + " times group '" +
+             names[i] +
+             "' more than those of the case, without a 'present' that says so; "
+             "expected a baseline of the same nominal structure";
     return false;
   }
   return true;
@@ -138,8 +138,8 @@ bool CompareWithCase(const Case& healthy, const Case& now, Baseline* baseline,
   const std::string what = "baseline '" + baseline->name + "'";
   if (RenewsBasis(healthy) != RenewsBasis(now)) {
     *error = what +
-             ": one of it and the case renews the basis of its reduction, "
-             "expected both to, or neither";
+             ": only one of baseline and case renews the basis of its "
+             "reduction, expected both or neither";
     return false;
   }
   const std::vector<ComparedMatrix> owns = ComparedMatrices(healthy);

@@ -59,13 +59,12 @@ std::string HeadOf(const IdentificationSummary& summary,
                    const std::vector<std::string>& left_out) {
   std::string head;
   if (!summary.usable()) {
-    head =
-        "** From a fit that is not usable: see the report beside this deck.\n";
+    head = "** The fit is not usable: see the report beside this deck.\n";
   }
   if (left_out.empty()) return head;
   head +=
-      "** Not in this deck is the change of these groups, which are no factors "
-      "of element sets:\n";
+      "** Not in this deck: changes of these groups, which are not factors of "
+      "element sets:\n";
   for (const std::string& group : left_out) head += "**   " + group + "\n";
   return head;
 }
@@ -83,9 +82,7 @@ std::string WithHead(std::string head, const std::string& deck) {
 
 bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
   if (c.finite_element == nullptr) {
-    *error = c.path +
-             ": no [model.finite_element], expected one for the deck that is "
-             "to be updated";
+    *error = c.path + ": there is no [model.finite_element]; --deck needs it";
     return false;
   }
   std::vector<ElementFactor> factors =
@@ -93,9 +90,8 @@ bool CheckDeck(const Case& c, const std::string& path, std::string* error) {
   for (ElementFactor& factor : factors) factor.factor = kTriedFactor;
   const std::vector<DeckFactor> of_deck = DeckFactorsOf(c, factors);
   if (of_deck.empty()) {
-    *error = c.path +
-             ": no group is an element set's export, expected one for the deck "
-             "that is to be updated";
+    *error =
+        c.path + ": no group is the export of an element set; --deck needs one";
     return false;
   }
   std::string content, scaled;
@@ -118,7 +114,7 @@ bool WriteUpdatedDeck(const Case& c, const IdentificationSummary& summary,
     *remark = "No updated deck: the " +
               std::string(factor.is_mass ? "mass" : "stiffness") +
               " of element set '" + factor.set +
-              "' is lost, and a deck takes positive numbers alone.";
+              "' is not positive, but a deck needs positive numbers.";
     return true;
   }
   namespace fs = std::filesystem;
@@ -135,9 +131,9 @@ bool WriteUpdatedDeck(const Case& c, const IdentificationSummary& summary,
     return false;
   }
   if (!left_out.empty()) {
-    *remark = "The updated deck does not have the change of " +
-              Join(left_out, ", ") +
-              ": it holds factors of element sets' stiffness and mass alone.";
+    *remark =
+        "The updated deck does not have the change of " + Join(left_out, ", ") +
+        ": a deck takes only factors on stiffness and mass of element sets.";
   }
   return true;
 }

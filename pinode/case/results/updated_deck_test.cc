@@ -51,7 +51,7 @@ TEST_F(UpdatedDeckTest, SaysOfWhatFitItIs) {
   EXPECT_THAT(deck, StartsWith("** A rod\n"));
   EXPECT_THAT(deck, HasSubstr("ELSET=lower\n\n9.0000000000000E+01\n"));
   const std::string doubtful = Write(-0.1, 0.0, false);
-  EXPECT_THAT(doubtful, StartsWith("** From a fit that is not usable"));
+  EXPECT_THAT(doubtful, StartsWith("** The fit is not usable"));
   EXPECT_EQ(doubtful.substr(doubtful.find('\n') + 1), deck);
 }
 

@@ -25,7 +25,7 @@ bool TakeOverChoice(const std::vector<Baseline>& baselines, Case* c,
   }
   if (!LeaveOutOfCase(left_out, c, error)) return false;
   c->problem.description.remarks.push_back(
-      "Model choice as in the baseline; left out: " +
+      "The model choice is that of the baseline. Left out: " +
       (left_out.empty() ? std::string("none") : Join(left_out, ", ")) + ".");
   return true;
 }
@@ -44,10 +44,10 @@ void RemarkOnUnknownFollowers(const std::vector<Baseline>& baselines,
         continue;
       }
       c->problem.description.remarks.push_back(
-          "'" + name + "' is free in the new records, for baseline '" +
+          "'" + name + "' is free in the new records because baseline '" +
           baseline.name +
-          "' has not found it: changes have wide intervals where the new "
-          "records do not tell it.");
+          "' did not determine it. Changes have wide intervals if the new "
+          "records do not determine it either.");
       break;
     }
   }
@@ -63,9 +63,9 @@ void HoldFollowers(const std::vector<Baseline>& baselines, Case* c) {
   std::vector<std::string> names;
   for (const auto& [name, value] : held) names.push_back(name);
   c->problem.description.remarks.push_back(
-      "Held at what the baselines say, for which ambient records and modes are "
-      "not asked: " +
-      Join(names, ", ") + ". The changes' intervals allow for it.");
+      "Held at the baselines' values, because ambient records and modes do not "
+      "determine them: " +
+      Join(names, ", ") + ". The intervals of the changes allow for it.");
 }
 
 // Remembers that a fit was interrupted.
@@ -87,7 +87,7 @@ class InterruptWatch : public ForwardingWatch {
 bool PrepareForBaselines(const std::vector<Baseline>& baselines, Case* c,
                          IdentifiedModel* begin_from, std::string* error) {
   if (baselines.empty()) {
-    *error = "there is no baseline, expected a result of healthy records";
+    *error = "there is no baseline, expected a result of baseline records";
     return false;
   }
   if (!AreDifferentResults(baselines, error) ||

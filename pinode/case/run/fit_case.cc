@@ -112,7 +112,7 @@ bool FitCase(const ResultFolder& folder, const IdentifiedModel* begin_from,
       !checkpoint.profiles.empty()) {
     summary->profiles = checkpoint.profiles;
     summary->remarks.push_back(
-        "The profiles are those of the fit that this one went on from; it was "
+        "The profiles are from the earlier fit that this one continued. It was "
         "interrupted before its own.");
   }
   TakeOver(std::move(found.problem), found.reduced, *summary, c);

@@ -104,8 +104,7 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
     fit->summary = given->summary;
     fit->model = given->model;
     Require(!healthy.empty(),
-            "there is no baseline, expected a result of "
-            "healthy records");
+            "there is no baseline, expected a result of baseline records");
   } else {
     bool ok = false;
     {

@@ -163,7 +163,7 @@ def test_baselines_are_of_the_same_structure(healthy, damaged, baseline):
     with pytest.raises(pinode.Error, match="matrix of group 'k1' differs"):
         other(frame_testing.STIFFNESS + 0.2 * first, stiffer).damage([baseline])
     # The same groups of another nominal structure: a tenth of k1 is not there.
-    with pytest.raises(pinode.Error, match=r"hold 0\.1 times group 'k1' more"):
+    with pytest.raises(pinode.Error, match=r"have 0\.1 times group 'k1' more"):
         other(frame_testing.STIFFNESS - 0.1 * first, conftest.groups()).damage([baseline])
     with pytest.raises(pinode.Error, match="one and the same result"):
         damaged.damage([baseline, baseline])

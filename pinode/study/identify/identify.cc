@@ -128,7 +128,8 @@ class MainJob {
     }
     TermFit fit{std::move(problem_), std::move(fit_), std::move(model_),
                 choice_};
-    std::string error = "the fit with all candidates: " + fit.summary.message;
+    std::string error =
+        "the fit with all candidates failed: " + fit.summary.message;
     // Candidates that are nearly the same may keep a fit from converging.
     const bool chosen =
         fit.summary.termination != Termination::kFailure &&

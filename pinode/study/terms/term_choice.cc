@@ -123,7 +123,7 @@ class Chooser {
       if (interrupted_) return true;
     }
     if (!IsGood(fit_)) {
-      *error_ = "the fit with all candidates: " + fit_.summary.message;
+      *error_ = "the fit with all candidates failed: " + fit_.summary.message;
       return false;
     }
     if (choice_.steps.empty()) {
