@@ -42,7 +42,7 @@ bool ParameterBlock::IsValid(std::string* error) const {
       message << "its prior standard deviation " << parameter.prior_sigma
               << " is not positive";
     } else if (named && !seen.insert(parameter.name).second) {
-      message << "its name is used twice";
+      message << "this name is used twice, expected different names";
     } else {
       continue;
     }

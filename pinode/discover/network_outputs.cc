@@ -140,7 +140,7 @@ bool SolveForOutputs(const StructuralDynamics& dynamics,
     *error = "the networks have " + std::to_string(map.cols()) +
              " outputs, of which accelerations tell " +
              std::to_string(qr.rank()) +
-             " apart, expected no more with source = \"derivatives\"";
+             " apart, expected not more with source = \"derivatives\"";
     return false;
   }
   const Matrix inverse = qr.solve(Matrix::Identity(n, n));

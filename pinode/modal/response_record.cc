@@ -37,7 +37,7 @@ bool ResponseRecord::IsValid(std::string* error) const {
     const ResponseChannel& channel = channels[static_cast<size_t>(c)];
     const std::string at = where + ", channel '" + channel.name + "'";
     if (!seen.insert(channel.name).second) {
-      *error = at + ": its name is used twice";
+      *error = at + ": this name is used twice, expected different names";
       return false;
     }
     if (channel.derivative < 0 || channel.derivative > 2) {

@@ -132,13 +132,13 @@ for name in top finer finest all below above; do
     --progress=false
   head -n 1 stdout >said
   grep -q "^Not usable: .*unmeasured loads .*explain" said &&
-    grep -q "can be told" said || Fail "$name: nothing of what loads explain"
+    grep -q "determine" said || Fail "$name: nothing of what loads explain"
 done
 # Nor do three sensors beside all modes, where loads leave a fiftieth.
 cp wind.toml beside.toml
 printf '  [record.ambient]\n  band_hz = [13.0, 20.0]\n' >>beside.toml
 Run 1 pinode_update --case=beside.toml --output_dir=beside --progress=false
-head -n 1 stdout | grep -q "^Not usable: none of 'k1', .* can be told" ||
+head -n 1 stdout | grep -q "^Not usable: none of 'k1', .* determined by the data" ||
   Fail "three sensors beside all modes: $(head -n 1 stdout)"
 # The one sensor tells of all where the loads' spectrum is smoother than modes.
 Run 0 pinode_update --case=one.toml --output_dir=one --progress=false

@@ -189,7 +189,7 @@ END
   At twenty 100 'column = "T"'; } >seasons.toml
 Run 0 pinode_check --case=seasons.toml
 grep -q "temperature: mean 19.9.*, from 19 to 20.8" stdout || Fail "no mean"
-grep -q "temperature: 7 of 20000 samples are there" stdout || Fail "no gaps"
+grep -q "temperature: 7 of 20000 samples are present" stdout || Fail "no gaps"
 Run 0 pinode_update --case=seasons.toml --output_dir=seasons --progress=false
 Near "$(awk '$1 == "per_degree" { print $3; exit }' stdout)" -0.003 0.0006
 Near "$(awk '$1 == "k2" { print $3; exit }' stdout)" 0 0.01
@@ -241,7 +241,7 @@ awk -F, -v OFS=, 'NR > 10000 { $4 = "" } { print }' twenty.csv >stopped.csv
 sed 's/twenty.csv/stopped.csv/' seasons.toml >stopped.toml
 Refused "expected readings from begin to end" --case=stopped.toml --output_dir=E
 sed 's/^  value = -20/  column = "a1"\n&/' winter.toml >both_ways.toml
-Refused "'value' beside 'column'" --case=both_ways.toml --output_dir=E
+Refused "'value' and 'column' are both given" --case=both_ways.toml --output_dir=E
 tested=pinode_modes
 Run 0 pinode_modes --case=winter.toml --output_dir=modes_winter
 grep -q "the mean of temperature is -20" stdout || Fail "no mean with modes"

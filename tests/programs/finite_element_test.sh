@@ -178,7 +178,7 @@ Bad "'1.1' is not a DOF of the finite-element model" 's/dof = "4.1"/dof = "1.1"/
 seq -f %g.1 7 >seven.txt
 Bad seven.txt 's/dofs.txt/seven.txt/'
 Bad 'mode 1 above 0 Hz' 's/1.663622/1.8/'
-Bad 'is this the factor' 's/factor = 1.25/factor = 1.1/'
+Bad 'check the factor' 's/factor = 1.25/factor = 1.1/'
 head -c 100 K.mtx >cut.mtx
 Bad cut.mtx 's/stiffness = "K.mtx"/stiffness = "cut.mtx"/'
 echo done

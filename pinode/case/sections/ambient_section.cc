@@ -69,8 +69,8 @@ class AmbientReader {
     for (const char* key : {"dofs", "areas", "proportional_to_mass"}) {
       if (!table_.Has(key)) continue;
       if (given != nullptr) {
-        return table_.Fail(given, "'" + std::string(given) + "' beside '" +
-                                      key + "', expected one of them");
+        return table_.Fail(given, "'" + std::string(given) + "' and '" + key +
+                                      "' are both given, expected one of them");
       }
       given = key;
     }
@@ -135,9 +135,9 @@ class AmbientReader {
       }
       if (!table_.errors()->ok()) return false;
       if (load.isZero(0.0)) {
-        return areas.Fail(name, "'" + name +
-                                    "' has no DOF with a share, expected one "
-                                    "or more");
+        return areas.Fail(
+            name,
+            "'" + name + "' has no DOF with a share, expected at least one");
       }
       AddLoad(name, load);
     }

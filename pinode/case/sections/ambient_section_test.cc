@@ -96,7 +96,7 @@ TEST_F(AmbientSectionTest, LoadsOfAreas) {
   EXPECT_THAT(Error("areas = {deck = {u1 = \"all\"}}"), HasSubstr("u1"));
   EXPECT_THAT(Error("areas = {deck = 3}"), HasSubstr("deck"));
   EXPECT_THAT(Error("areas = {deck = [\"u1\"]}\ndofs = [\"u1\"]"),
-              HasSubstr("'dofs' beside 'areas'"));
+              HasSubstr("'dofs' and 'areas' are both given"));
 }
 
 TEST_F(AmbientSectionTest, LoadsLikeThoseOfAccelerations) {

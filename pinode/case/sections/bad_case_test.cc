@@ -130,7 +130,7 @@ const BadCase kBadCases[] = {
      "start = \"rest\"\nfilter = {type = \"lowpass\", corner_hz = 80.0}",
      "case.toml:22: "},
     {"TwoOfAName", "column = \"d2\"", "column = \"d2\"\n  name = \"a1\"",
-     "its name is used twice in this record"},
+     "this name is used twice in this record, expected different names"},
     {"NameWithASlash", "name = \"quake\"", "name = \"../quake\"",
      "case.toml:17: record '../quake': '../quake' cannot be a name here"},
     {"NoTime", "time = \"t\"\n", "", "'time' is missing"},

@@ -62,15 +62,14 @@ void RemarkOnModes(const IdentificationProblem& problem,
   const std::vector<std::string> followers = dynamics.CovariateParameters();
   if (!followers.empty() && problem.modal.inputs.size() == 0) {
     remarks->push_back(
-        "Measured modes are taken as of the reference of groups that follow a "
-        "covariate, for [modal] has no 'covariates': " +
+        "[modal] has no 'covariates', so the measured modes are taken at the "
+        "reference of groups that follow a covariate: " +
         Join(followers, ", ") + " take no part in them.");
   }
   if (dynamics.laws().empty() && dynamics.networks().empty()) return;
   remarks->push_back(
-      "Measured modes are held against those of the matrices with their "
-      "groups; "
-      "elements, libraries and networks take no part in these.");
+      "Measured modes are compared with the modes of the matrices and their "
+      "groups, without elements, libraries and networks.");
 }
 
 // Reads the sections in the order of their dependence.
@@ -258,8 +257,8 @@ class CaseReader {
         if (c_.problem.records[r].channels[c].sigma > 0.0) continue;
         return sections_[r].channels[c].signal.table.Fail(
             "sigma",
-            "'sigma' is missing, expected it where [simulate] has noise = "
-            "\"sigma\"");
+            "'sigma' is missing, expected with noise = \"sigma\" in "
+            "[simulate]");
       }
     }
     return true;

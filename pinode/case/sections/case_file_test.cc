@@ -134,7 +134,7 @@ TEST(CaseFileTest, DampingInProportion) {
       folder.Write("case.toml", text + Replaced(group("c", "mass"), "\"damping",
                                                 "\"stiffness")),
       &unread, &error));
-  EXPECT_THAT(error, HasSubstr("is for groups that add to damping"));
+  EXPECT_THAT(error, HasSubstr("needs adds_to = \"damping\""));
   EXPECT_FALSE(ReadCase(folder.Write("case.toml", text + group("c", "masses")),
                         &unread, &error));
   EXPECT_THAT(error, HasSubstr("mass"));
@@ -248,7 +248,7 @@ TEST(CaseFileTest, HoldoutsHaveTheOffsetsOfTheirSensors) {
                                                     "start_samples = 50\n",
                                                     "")),
       &unread, &error));
-  EXPECT_THAT(error, HasSubstr("what a free start is found from"));
+  EXPECT_THAT(error, HasSubstr("needs start = \"free\""));
   EXPECT_FALSE(ReadCase(
       folder.Write("steady.toml", SmallCase() + record("one",
                                                        "periodic = true\n"

@@ -134,7 +134,7 @@ bool WriteCaseFolder(const TomlValue& tree, const CaseData& data,
   std::error_code status;
   const std::string file = (fs::path(folder) / "case.toml").string();
   if (!path.empty() && fs::equivalent(path, file, status)) {
-    *error = file + ": is the file of the case itself, expected another folder";
+    *error = file + ": would overwrite the case itself; give another folder";
     return false;
   }
   fs::create_directories(folder, status);

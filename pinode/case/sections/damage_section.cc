@@ -40,7 +40,7 @@ bool ReadPlaces(const TomlTable& table, const StructuralModel& model,
     if (place.to < 0) std::swap(place.from, place.to);
     for (const DamageSearch::SpringPlace& other : search->springs) {
       if (other.name == place.name) {
-        return inner.Fail("name", "another place has this name");
+        return inner.Fail("name", "another [[damage.place]] has this name");
       }
     }
     search->springs.push_back(std::move(place));
@@ -73,11 +73,10 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
     return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
   };
   if (!asked("mass") && table.Has("masses")) {
-    return table.Fail("masses", "'masses' is of no use without the kind mass");
+    return table.Fail("masses", "'masses' needs mass among the 'kinds'");
   }
   if (!asked("nonlinear") && table.Has("place")) {
-    return table.Fail("place",
-                      "'place' is of no use without the kind nonlinear");
+    return table.Fail("place", "'place' needs nonlinear among the 'kinds'");
   }
   const StructuralModel& model = problem.dynamics->model();
   if (table.Has("masses")) {

@@ -107,13 +107,13 @@ TEST_F(DamageSection, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(Refusal("[damage]\nmasses = [\"u7\"]\n"),
               HasSubstr("'u7' is neither a DOF nor a node"));
   EXPECT_THAT(Refusal("[damage]\nkinds = [\"nonlinear\"]\nmasses = [\"u1\"]\n"),
-              HasSubstr("of no use without the kind mass"));
+              HasSubstr("needs mass among the 'kinds'"));
   EXPECT_THAT(Refusal("[[damage.place]]\nname = \"joint\"\n"),
               HasSubstr("between"));
   EXPECT_THAT(
       Refusal("[[damage.place]]\nname = \"a\"\nbetween = [\"u1\", \"u2\"]\n"
               "[[damage.place]]\nname = \"a\"\nbetween = [\"u1\", \"u2\"]\n"),
-      HasSubstr("another place has this name"));
+      HasSubstr("another [[damage.place]] has this name"));
 }
 
 }  // namespace

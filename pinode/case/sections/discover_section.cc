@@ -143,8 +143,8 @@ bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
     output.library = options->library;
     if (!ReadOutput(output_table, dynamics, &output)) return false;
     if (!seen.insert(output.name).second) {
-      return output_table.Fail("name",
-                               "the output '" + output.name + "' comes twice");
+      return output_table.Fail(
+          "name", "the output '" + output.name + "' is given twice");
     }
     options->outputs.push_back(std::move(output));
   }

@@ -70,8 +70,8 @@ bool AddElementCandidate(const TomlTable& table, const LawTerm& term,
     }
   }
   return table.Fail("optional", "none of " + Join(candidate.amplitudes, ", ") +
-                                    " is free, expected one by which it can be "
-                                    "told whether it acts");
+                                    " is free, expected at least one free "
+                                    "parameter to decide whether it acts");
 }
 
 // Reads the law and its parameters: of a known type, or of the shared library
@@ -156,7 +156,8 @@ bool ReadElements(const TomlTable& root, const TermsContext& context,
       return false;
     }
     if (!seen.insert(table.RequiredString("name")).second) {
-      return table.Fail("name", "its name is used twice");
+      return table.Fail("name",
+                        "this name is used twice, expected different names");
     }
     if (!ReadElement(context.model->model, context, &table, dynamics)) {
       return false;

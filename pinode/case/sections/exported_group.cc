@@ -118,21 +118,20 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementSection& section,
   const SparseMatrix& whole = TargetMatrix(section.structure.exported, target);
   if (whole.rows() == 0) {
     return table.Fail(key, "'" + key +
-                               "' of damping, and [model.finite_element] has "
-                               "no damping; expected it there");
+                               "' adds to damping, but [model.finite_element] "
+                               "has no 'damping'; add it there");
   }
   double factor = 0.0;
   if (changed) {
-    if (!table.RequireKey("factor",
-                          "by how much the set's property was multiplied for "
-                          "that export")) {
+    if (!table.RequireKey(
+            "factor", "the factor on the property of the set in that export")) {
       return false;
     }
     factor = table.Number("factor", 0.0);
     if (!table.errors()->ok()) return false;
     if (factor == 1.0) {
       return table.Fail("factor",
-                        "'factor' is 1, with which nothing changes; expected "
+                        "'factor' is 1, which changes nothing; expected "
                         "another number, such as 1.1");
     }
   }
@@ -145,8 +144,8 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementSection& section,
   exported->matrix.swap(other);
   exported->is_element_set = true;
   if (exported->matrix.nonZeros() == 0 || exported->matrix.norm() == 0.0) {
-    return table.Fail(key, changed ? "the two exports do not differ, expected "
-                                     "the set's property to be changed"
+    return table.Fail(key, changed ? "the two exports are equal, expected a "
+                                     "changed property of the set"
                                    : "the matrix is zero, expected the "
                                      "element set's own");
   }
@@ -160,8 +159,8 @@ bool ReadSetMatrix(const TomlTable& table, const FiniteElementSection& section,
         "the element set alone has " + FormatNumber(part[i], 4) + " at '" +
             section.structure.exported.dof_names[static_cast<size_t>(i)] +
             "' where the whole model has " + FormatNumber(all[i], 4) +
-            ", expected no more" +
-            (changed ? ": is this the factor of that export?" : ""));
+            ", expected not more" +
+            (changed ? "; check the factor of that export" : ""));
   }
   return true;
 }

@@ -78,10 +78,10 @@ class SectionReader {
     for (const char* key :
          {"dofs", "mass", "stiffness", "influence", "expected_hz"}) {
       if (model_table_.Has(key)) {
-        return model_table_.Fail(
-            key, std::string("'") + key +
-                     "' beside [model.finite_element], which says it; "
-                     "expected it there, or not at all");
+        return model_table_.Fail(key,
+                                 std::string("'") + key +
+                                     "' and [model.finite_element] are both "
+                                     "given; move it there, or leave it out");
       }
     }
     MatrixSource names;
@@ -176,7 +176,7 @@ class SectionReader {
             "expand",
             "'expand' is \"all\" of " + std::to_string(exported.num_dofs()) +
                 " DOFs, expected at most " + std::to_string(kMostExpanded) +
-                "; name those that are wanted");
+                "; name the DOFs that you need");
       }
       dofs.resize(static_cast<size_t>(exported.num_dofs()));
       std::iota(dofs.begin(), dofs.end(), 0);
@@ -199,12 +199,12 @@ class SectionReader {
     std::vector<std::string>& kept = structure_.options.kept_dofs;
     if (!structure_.is_reduced) {
       if (model.num_dofs() > kLargestWhole) {
-        return table_.Fail("stiffness", "the finite-element model has " +
-                                            std::to_string(model.num_dofs()) +
-                                            " DOFs, which is too much without "
-                                            "a [model.reduction]; at most " +
-                                            std::to_string(kLargestWhole) +
-                                            " were expected");
+        return table_.Fail("stiffness",
+                           "the finite-element model has " +
+                               std::to_string(model.num_dofs()) +
+                               " DOFs, too many without a [model.reduction]; "
+                               "expected at most " +
+                               std::to_string(kLargestWhole) + "");
       }
       kept = model.dof_names;
     } else if (reduction_.Has("keep")) {
@@ -231,7 +231,7 @@ class SectionReader {
         return root_.errors()->Fail(
             dof.line, "'" + dof.name +
                           "' is not among the DOFs that [model.reduction] "
-                          "keeps, expected it there");
+                          "keeps; add it there");
       }
     }
     return true;
@@ -282,10 +282,11 @@ class SectionReader {
         return false;
       }
       if (group.matrix.rows() == 0) {
-        return at.Fail(name, "'" + name +
-                                 "' is not a group of mass or stiffness that "
-                                 "is given over the DOFs of the finite-element "
-                                 "model (changed_export, set_export, between)");
+        return at.Fail(
+            name,
+            "'" + name +
+                "' is not a group of mass or stiffness over the DOFs of the "
+                "finite-element model (changed_export, set_export, between)");
       }
       ReducedStructure::Group& kept = section_->groups_at_basis[name];
       kept = std::move(group);
@@ -396,10 +397,9 @@ class SectionReader {
       }
       if (!table_.errors()->ok()) return false;
       if (!has_directions) {
-        return table_.Fail(
-            "ground_directions",
-            "the names of the DOFs do not say their directions (expected "
-            "node.direction, as 12.3), which 'ground_directions' needs");
+        return table_.Fail("ground_directions",
+                           "'ground_directions' needs names of DOFs with a "
+                           "direction, expected node.direction such as 12.3");
       }
     } else if (has_directions) {
       for (int number = 1; number <= 3; ++number) {

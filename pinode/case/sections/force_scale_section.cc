@@ -143,7 +143,7 @@ class ForceScalesReader {
              table.Fail("scale",
                         "'scale' differs from that of '" + scale.name +
                             "' in another place, expected the same keys and "
-                            "kind of unit, or another 'name' in it");
+                            "kind of unit, or another 'name'");
     }
     ForceScaleTerm term;
     term.name = scale.name;
@@ -171,13 +171,13 @@ class ForceScalesReader {
       return input.signal.table.Fail(
           "unit", "its scale, '" + name + "', is in " +
                       term->parameters.parameters[0].unit +
-                      ", expected a unit of the same kind as elsewhere, or a "
-                      "scale of another 'name'");
+                      ", expected the same kind of unit as elsewhere, or "
+                      "another 'name' of the scale");
     }
     if (!ForceScales::IsGiven(input)) {
       remarks_->push_back("Record " + section.name + ": the scale of " +
                           input.signal.label + " is '" + name +
-                          "', as in other records.");
+                          "', the same as in other records.");
     }
     ForceScaleTerm::Force force;
     force.input = InputIndex(dynamics_->inputs(), input.spec.name);

@@ -105,8 +105,8 @@ TEST_F(ForceScaleSection, IsSharedBetweenRecords) {
     ASSERT_EQ(term.forces.size(), 1u);
     EXPECT_EQ(term.forces[0].record_switch, -1);
     const auto remark = Contains(
-        "Record again: the scale of force u2 is 'scale.force_u2', as in other "
-        "records.");
+        "Record again: the scale of force u2 is 'scale.force_u2', the same as "
+        "in other records.");
     if (scale[0] == '\0') {
       EXPECT_THAT(c.problem.description.remarks, remark);
     } else {
@@ -209,7 +209,8 @@ TEST_F(ForceScaleSection, RefusesWhatIsWrong) {
   EXPECT_FALSE(Read(
       Replaced(SmallCase(), "unit = \"gal\"", "unit = \"gal\"\n  scale = {}"),
       &c));
-  EXPECT_THAT(error_, HasSubstr("'scale' of a ground motion is known"));
+  EXPECT_THAT(error_,
+              HasSubstr("'scale' of a ground motion cannot be unknown"));
   // Volts of channels.
   EXPECT_FALSE(Read(Replaced(ForceCase(), "unit = \"g\"", "unit = \"V\""), &c));
   EXPECT_THAT(error_, HasSubstr("a channel in volts needs its sensitivity"));
@@ -220,7 +221,7 @@ TEST_F(ForceScaleSection, RefusesWhatIsWrong) {
   const std::string volts = Replaced(ForceCase(), "unit = \"g\"",
                                      "unit = \"V\"\n  gain = {initial = 0.1}");
   EXPECT_FALSE(Read(WithAgain(volts, "  scale = {}\n"), &c));
-  EXPECT_THAT(error_, HasSubstr("in volts in one record and not in another"));
+  EXPECT_THAT(error_, HasSubstr("in volts in one record but not in another"));
 }
 
 // A hammer of unknown sensitivity and sign, and a sensor upside down: the

@@ -41,7 +41,7 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
     const auto place = static_cast<int>(index.size());
     if (!index.emplace(node.label, place).second) {
       *error = path + ": node " + std::to_string(node.label) +
-               " is there twice, expected different numbers";
+               " is given twice, expected different numbers";
       return false;
     }
     // In some programs the system of set 2411 is that of the position.
@@ -61,10 +61,9 @@ bool FromUniversalFile(const std::string& path, StructureGeometry* geometry,
     geometry->axes[place] = axes;
   }
   if (unknown > 0) {
-    geometry->notes.push_back(
-        std::to_string(unknown) +
-        " nodes have directions of their own that the file does not tell; "
-        "what is measured there is not drawn.");
+    geometry->notes.push_back(std::to_string(unknown) +
+                              " nodes have local directions that the file does "
+                              "not define. Sensors there are not drawn.");
   }
   for (const UniversalLine& line : file.lines) {
     StructureGeometry::Set set;
@@ -219,11 +218,11 @@ class GeometryReader {
         }
         if (geometry_.Direction(index_.at(place.node), place.direction)
                 .isZero()) {
-          return dofs.Fail(dof, "'" + text +
-                                    "' has a direction of its own that the "
-                                    "geometry's file does not tell, expected "
-                                    "its coordinate system (data set 18 or "
-                                    "2420) in the file");
+          return dofs.Fail(dof,
+                           "'" + text +
+                               "' has a local direction that the geometry's "
+                               "file does not define, expected its coordinate "
+                               "system (data set 18 or 2420) in the file");
         }
         placed_->dofs[dof].push_back(std::move(place));
       }

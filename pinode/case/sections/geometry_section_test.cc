@@ -170,9 +170,9 @@ TEST_F(UniversalSystemsTest, OfDirections) {
     ASSERT_NE(unknown, nullptr);
     ASSERT_EQ(unknown->geometry.notes.size(), 1u);
     EXPECT_THAT(unknown->geometry.notes[0],
-                HasSubstr("1 nodes have directions of their own"));
+                HasSubstr("1 nodes have local directions"));
     EXPECT_THAT(ErrorOf(With("0 " + std::string(system), dof)),
-                HasSubstr("'8.1' has a direction of its own"));
+                HasSubstr("'8.1' has a local direction"));
   }
 }
 

@@ -264,20 +264,20 @@ TEST_F(GroupCurveTest, RefusesWhatCannotBe) {
   EXPECT_THAT(with("knots = [0, 10], reference = 0, smoothness = 0.0"),
               HasSubstr("smoothness"));
   EXPECT_THAT(with("knots = [0, 10], reference = 0, smoothness = \"much\""),
-              HasSubstr("\"evidence\" or how much"));
+              HasSubstr("\"evidence\" or a number"));
   EXPECT_THAT(with("knots = [0, 10], reference = 0, values = [0.0]"),
               HasSubstr("values"));
   EXPECT_THAT(with("knots = [0, 10], reference = 0, values = [0.1, 0.0]"),
               HasSubstr("expected 0 there"));
   EXPECT_THAT(with("reference = 0, smoothness = 0.1"),
-              HasSubstr("goes with 'knots' only"));
+              HasSubstr("needs 'knots'"));
   EXPECT_THAT(
       Refusal("follows = {covariate = \"humidity\", knots = [0, 1], reference "
               "= 0}"),
       HasSubstr("no record has a covariate 'humidity'"));
   EXPECT_THAT(
       Refusal("follows = {time = \"linear\", knots = [0, 1], reference = 0}"),
-      HasSubstr("not with time"));
+      HasSubstr("not time"));
 }
 
 }  // namespace

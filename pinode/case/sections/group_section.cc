@@ -27,7 +27,7 @@ bool ReadProportional(const TomlTable& table, const ModelSection& section,
   const bool of_mass = of == "mass";
   if (group->target != MatrixGroup::Target::kDamping) {
     return table.Fail("proportional_to",
-                      "'proportional_to' is for groups that add to damping");
+                      "'proportional_to' needs adds_to = \"damping\"");
   }
   if (section.finite_element == nullptr) {
     group->matrix =
@@ -59,17 +59,16 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
                                   "set_export; expected exactly one");
   }
   if (table.Has("factor") && !table.Has("changed_export")) {
-    return table.Fail("factor", "'factor' goes with 'changed_export' only");
+    return table.Fail("factor", "'factor' needs 'changed_export'");
   }
   if (from_export && section.finite_element == nullptr) {
     return table.Fail(table.Has("set_export") ? "set_export" : "changed_export",
-                      "an export without a [model.finite_element], expected "
-                      "'between' or 'matrix'");
+                      "an export needs a [model.finite_element]; otherwise "
+                      "give 'between' or 'matrix'");
   }
   if (table.Has("scale") && !table.Has("between") &&
       !table.Has("proportional_to")) {
-    return table.Fail("scale",
-                      "'scale' goes with 'between' and 'proportional_to' only");
+    return table.Fail("scale", "'scale' needs 'between' or 'proportional_to'");
   }
   if (from_export) {
     return ReadExportedGroup(table, *section.finite_element, group, exported);
@@ -98,7 +97,7 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   if (!table.errors()->ok()) return false;
   if (!section.building.has_value()) {
     return table.Fail("storey",
-                      "'storey' without a [model.shear_building], expected "
+                      "'storey' needs a [model.shear_building]; otherwise give "
                       "'between' or 'matrix'");
   }
   MatrixGroup of_storey;
@@ -154,8 +153,8 @@ bool ReadCurvePrior(const TomlTable& follows, GroupCurve* curve) {
     if (smoothness->text != "evidence") {
       return follows.Fail("smoothness",
                           "'smoothness' is '" + smoothness->text +
-                              "', expected \"evidence\" or how much alpha may "
-                              "change from knot to knot");
+                              "', expected \"evidence\" or a number, the usual "
+                              "change of alpha from knot to knot");
     }
   } else if (smoothness != nullptr) {
     sigma = follows.PositiveNumber("smoothness", 1.0);
@@ -180,9 +179,8 @@ bool ReadCurve(const TomlTable& follows, const std::string& covariate,
     values = follows.Numbers("values", num_knots, "one for each knot");
     if (!follows.errors()->ok()) return false;
     if (values[static_cast<size_t>(curve->reference)] != 0.0) {
-      return follows.Fail("values",
-                          "'values' are changes against the reference, "
-                          "expected 0 there");
+      return follows.Fail(
+          "values", "'values' are relative to the reference, expected 0 there");
     }
   }
   const bool free = follows.Boolean("free", true);
@@ -212,12 +210,11 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
   }
   for (const char* key : {"smoothness", "differences", "values", "free"}) {
     if (follows.Has(key) && !follows.Has("knots")) {
-      return follows.Fail(key,
-                          std::string("'") + key + "' goes with 'knots' only");
+      return follows.Fail(key, std::string("'") + key + "' needs 'knots'");
     }
   }
   if (follows.Has("knots") && follows.Has("time")) {
-    return follows.Fail("knots", "'knots' go with a covariate, not with time");
+    return follows.Fail("knots", "'knots' need a covariate, not time");
   }
   if (follows.Has("covariate") == follows.Has("time")) {
     return table.Fail("follows",
@@ -299,9 +296,8 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
       if (exported.matrix.rows() == 0) {
         context.remarks->push_back(
             "Group '" + term.group.name +
-            "' is given for the coordinates of the reduced model and has no "
-            "part in the matrices of the finite-element model that are "
-            "written back.");
+            "' belongs to the coordinates of the reduced model. The written "
+            "matrices of the finite-element model do not include it.");
       }
       context.model->finite_element->structure.groups.push_back(
           std::move(exported));

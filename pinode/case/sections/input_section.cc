@@ -63,9 +63,10 @@ class InputReader {
                               NameHint(direction, model_.directions));
       }
       if (table.Has("scale") && table.Find("scale")->IsTable()) {
-        return table.Fail("scale",
-                          "'scale' of a ground motion is known, expected a "
-                          "number; gains of channels can be unknown");
+        return table.Fail(
+            "scale",
+            "'scale' of a ground motion cannot be unknown, expected a number; "
+            "gains of channels can be unknown");
       }
       input.spec.name = "ground_" + direction;
       input.signal.label = "ground " + direction;
@@ -143,7 +144,7 @@ class InputReader {
                        })) {
         return input.signal.table.Fail(
             "quantity", "'" + input.signal.label +
-                            "' without the displacement, expected a "
+                            "' is given without the displacement, expected a "
                             "[[record.motion]] of it as well");
       }
     }
@@ -161,16 +162,18 @@ class InputReader {
       if (input.spec.name.rfind("ground_", 0) == 0 ||
           input.spec.name.rfind("force_", 0) == 0 ||
           input.spec.name.rfind("motion_", 0) == 0) {
-        return table.Fail("name", "'" + input.spec.name +
-                                      "' begins like the name of an "
-                                      "excitation, expected another name");
+        return table.Fail(
+            "name",
+            "'" + input.spec.name +
+                "' begins like the name of an excitation; give another name");
       }
       input.signal.label = "covariate " + input.spec.name;
       if (table.Has("value")) {
         for (const char* key : {"column", "file"}) {
           if (!table.Has(key)) continue;
-          return table.Fail("value", "'value' beside '" + std::string(key) +
-                                         "', expected one of the two");
+          return table.Fail("value",
+                            "'value' and '" + std::string(key) +
+                                "' are both given, expected one of them");
         }
         input.value = table.Number("value", 0.0);
         if (!table.errors()->ok()) return false;

@@ -125,8 +125,8 @@ bool AddLibraryCandidates(const TomlTable& table, const LawTerm& term,
     any = true;
   }
   return any || table.Fail("select",
-                           "none of its terms is free, expected one that may "
-                           "be left out");
+                           "none of its terms is free, expected at least one "
+                           "that may be left out");
 }
 
 }  // namespace
@@ -147,7 +147,8 @@ bool ReadLibraries(const TomlTable& root, const TermsContext& context,
     table.set_name("library '" + term.name + "'");
     if (!CheckName(table, "name", term.name)) return false;
     if (!seen.insert(term.name).second) {
-      return table.Fail("name", "its name is used twice");
+      return table.Fail("name",
+                        "this name is used twice, expected different names");
     }
     term.parameters.name = term.name;
     const std::string output = table.RequiredString("output");

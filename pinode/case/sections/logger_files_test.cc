@@ -165,7 +165,7 @@ TEST(LoggerFilesTest, FilesAreAlignedByTheirClocks) {
   text = Replaced(text, "file = \"late.csv\"",
                   "file = \"late.csv\"\n  unit = \"mm\"");
   EXPECT_FALSE(ReadCase(folder.Write("case.toml", text), &bad, &error));
-  EXPECT_THAT(error, HasSubstr("not both clock times of one kind"));
+  EXPECT_THAT(error, HasSubstr("not clock times of the same kind"));
 }
 
 TEST(LoggerFilesTest, KeysOfTheRecord) {
@@ -248,8 +248,9 @@ TEST(LoggerFilesTest, ModesOfAFileAlone) {
   other.path = folder.Write(
       "other.csv", "t,a [g],b,state\n0,1,20,ok\n0.1,2,21,OVER\n0.2,1,20,ok\n");
   ASSERT_TRUE(ReadModesDataFile(other, &c, &error)) << error;
-  EXPECT_THAT(c.remarks,
-              Contains(HasSubstr("Left out, because they hold text: state")));
+  EXPECT_THAT(
+      c.remarks,
+      Contains(HasSubstr("Left out, because they contain text: state")));
   EXPECT_THAT(c.remarks, Contains(HasSubstr("b: taken as g")));
   // A displacement is no acceleration.
   file.quantities = {"acceleration"};

@@ -58,12 +58,12 @@ class ModeReader {
     const TomlValue* value = table_.Find("shape");
     if (value == nullptr) {
       return !table_.Has("shape_row") ||
-             table_.Fail("shape_row", "'shape_row' without 'shape'");
+             table_.Fail("shape_row", "'shape_row' needs 'shape'");
     }
     if (value->IsTable()) {
       if (table_.Has("shape_row")) {
         return table_.Fail("shape_row",
-                           "'shape_row' is for a 'shape' in a file");
+                           "'shape_row' needs a 'shape' in a file");
       }
       const TomlTable shape = table_.Table("shape", table_.name() + " shape");
       for (const auto& entry : shape.entries()) {
@@ -121,10 +121,10 @@ class ModeReader {
                                          "' and '" + weight_key + "'");
     }
     if (beside_records_ && !table_.Has(sigma_key) && !table_.Has(weight_key)) {
-      return table_.Fail("frequency",
-                         "beside records its errors must be "
-                         "known, expected '" +
-                             sigma_key + "'");
+      return table_.Fail(
+          "frequency",
+          "its errors must be known because the case has records, expected '" +
+              sigma_key + "'");
     }
     if (table_.Has(sigma_key)) {
       *sigma = unit * table_.PositiveNumber(sigma_key, 1.0);
@@ -137,7 +137,7 @@ class ModeReader {
                   const std::string& expected) {
     for (const std::string& key : keys) {
       if (!table_.Has(key)) continue;
-      return table_.Fail(key, "'" + key + "' has no place in form '" +
+      return table_.Fail(key, "'" + key + "' is not used in form '" +
                                   ModalFormName(form_) + "', expected " +
                                   expected);
     }
@@ -159,9 +159,9 @@ class ModeReader {
       return ReadCovariance();
     }
     if (table_.Has("frequency_shape_covariance")) {
-      return table_.Fail("frequency_shape_covariance",
-                         "'frequency_shape_covariance' without "
-                         "'shape_covariance'");
+      return table_.Fail(
+          "frequency_shape_covariance",
+          "'frequency_shape_covariance' needs 'shape_covariance'");
     }
     if (mode_->HasShape()) {
       return ReadWeight("shape", 1.0, &mode_->shape_sigma,
@@ -194,8 +194,8 @@ class ModeReader {
     const char* key = "frequency_shape_covariance";
     if (!table_.Has(key)) return true;
     if (!table_.Has("frequency_sigma")) {
-      return table_.Fail(
-          key, std::string("'") + key + "' without 'frequency_sigma'");
+      return table_.Fail(key,
+                         std::string("'") + key + "' needs 'frequency_sigma'");
     }
     mode_->frequency_shape_covariance =
         hz_ * ToVector(table_.Numbers(key, count, "entry of the shape"));
@@ -211,8 +211,8 @@ class ModeReader {
     }
     if (beside_records_ && !table_.Has("residual_weight")) {
       return table_.Fail("frequency",
-                         "beside records its errors must be "
-                         "known, expected 'residual_weight'");
+                         "its errors must be known because the case has "
+                         "records, expected 'residual_weight'");
     }
     mode_->residual_weight =
         table_.PositiveNumber("residual_weight", mode_->residual_weight);
@@ -264,7 +264,7 @@ bool AddModalCovariates(const TomlTable& root, std::vector<InputSpec>* inputs) {
     } else if (known->kind != InputSpec::Kind::kCovariate) {
       return covariates.Fail(name, "'" + name +
                                        "' is the name of an excitation, "
-                                       "expected that of a covariate");
+                                       "expected the name of a covariate");
     }
   }
   return true;
@@ -277,7 +277,7 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
   const TomlTable options = root.Table("modal", "[modal]");
   if (!options.AllowKeys({"form", "covariates"})) return false;
   if (root.Has("modal") && !root.Has("mode")) {
-    return root.Fail("modal", "[modal] without [[mode]], expected a mode");
+    return root.Fail("modal", "[modal] needs at least one [[mode]]");
   }
   const std::string form = options.Choice(
       "form", {"mac", "eigenvector_difference", "dynamic_residual"},
@@ -306,7 +306,8 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
     mode.name = table.String("name", std::to_string(modal->modes.size() + 1));
     table.set_name("mode '" + mode.name + "'");
     if (!seen.insert(mode.name).second) {
-      return table.Fail("name", "its name is used twice");
+      return table.Fail("name",
+                        "this name is used twice, expected different names");
     }
     if (!ModeReader(table, model, modal->form, 1.0 / seconds, beside_records,
                     &mode)

@@ -101,13 +101,13 @@ TEST(ModalSection, CovarianceOfFrequencyAndShape) {
                         "shape_sigma = 0.02\n"
                         "frequency_shape_covariance = [1e-4, 0]"))
           .error,
-      HasSubstr("'frequency_shape_covariance' without 'shape_covariance'"));
+      HasSubstr("'frequency_shape_covariance' needs 'shape_covariance'"));
   EXPECT_THAT(ReadText(Replaced(Replaced(Modes(), "frequency_sigma = 0.01\n",
                                          "frequency_weight = 50\n"),
                                 "shape_sigma = 0.02",
                                 shape + "frequency_shape_covariance = [0, 0]"))
                   .error,
-              HasSubstr("without 'frequency_sigma'"));
+              HasSubstr("needs 'frequency_sigma'"));
 }
 
 TEST(ModalSection, StandsWithoutARecord) {
@@ -195,14 +195,14 @@ TEST(ModalSection, RefusesWhatDoesNotBelong) {
       {shape, "shape = 3", "expected {dof = value, ...} or a CSV"},
       {shape, "shape = \"none.csv\"", "none.csv"},
       {shape, "shape = \"shapes.csv\"\nshape_row = 3", "has 2 rows"},
-      {shape, shape + "\nshape_row = 1", "for a 'shape' in a file"},
-      {shape, "shape_row = 1", "without 'shape'"},
-      {shape, "", "'shape_sigma' without 'shape'"},
+      {shape, shape + "\nshape_row = 1", "needs a 'shape' in a file"},
+      {shape, "shape_row = 1", "needs 'shape'"},
+      {shape, "", "'shape_sigma' needs 'shape'"},
       {"name = \"second\"", "name = \"1\"", "used twice"},
-      {"\"eigenvector_difference\"", "\"mac\"", "no place in form 'mac'"},
+      {"\"eigenvector_difference\"", "\"mac\"", "not used in form 'mac'"},
       {"\"eigenvector_difference\"", "\"dynamic_residual\"",
        "expected 'residual_weight'"},
-      {sigma, "residual_weight = 1.0", "no place in form"},
+      {sigma, "residual_weight = 1.0", "not used in form"},
   };
   for (const Bad& bad : cases) {
     const ReadResult result = ReadText(Replaced(Modes(), bad.from, bad.to));

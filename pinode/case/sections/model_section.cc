@@ -181,8 +181,8 @@ bool ReadFiniteElements(const TomlTable& root, const TomlTable& table,
                         const UnitSystem& units, ModelSection* section) {
   if (table.Has("shear_building")) {
     return table.Fail("shear_building",
-                      "[model.shear_building] beside "
-                      "[model.finite_element], expected one of the two");
+                      "[model.shear_building] and [model.finite_element] are "
+                      "both given, expected one of them");
   }
   if (!ReadFiniteElementSection(root, table, units, &section->finite_element)) {
     return false;
@@ -191,8 +191,8 @@ bool ReadFiniteElements(const TomlTable& root, const TomlTable& table,
   const bool damped = structure.exported.has_damping();
   if (damped && table.Has("damping")) {
     return table.Fail("damping",
-                      "'damping' beside that of [model.finite_element], "
-                      "expected one of the two");
+                      "'damping' and that of [model.finite_element] are both "
+                      "given, expected one of them");
   }
   if (!damped && NeedsDamping(root) &&
       !table.RequireKey("damping",
@@ -208,20 +208,20 @@ bool ReadBuildingModel(const TomlTable& root, const TomlTable& table,
   for (const char* key : {"mass", "stiffness"}) {
     if (table.Has(key)) {
       return table.Fail(key, std::string("'") + key +
-                                 "' beside [model.shear_building], expected "
-                                 "one of the two");
+                                 "' and [model.shear_building] are both given, "
+                                 "expected one of them");
     }
   }
   ShearBuilding building;
   if (!ReadShearBuilding(table, &building)) return false;
   if (table.Has("damping") && !building.dampers.empty()) {
     return table.Fail("damping",
-                      "'damping' beside the dampers of "
-                      "[model.shear_building], expected one of the two");
+                      "'damping' and the dampers of [model.shear_building] are "
+                      "both given, expected one of them");
   }
   if (NeedsDamping(root) && !table.Has("damping") && building.dampers.empty()) {
-    return table.RequireKey("damping",
-                            "it or the dampers of [model.shear_building]");
+    return table.RequireKey(
+        "damping", "'damping' or the dampers of [model.shear_building]");
   }
   std::string error;
   if (!BuildShearBuilding(building, &section->model, &error)) {
@@ -308,10 +308,10 @@ bool ReadDofNames(const TomlTable& table, std::vector<std::string>* names) {
     // Names appear in x[u1], d[a,b] and "a-b".
     if (name.empty() || name == "ground" ||
         name.find_first_of("[], \t\n\"") != std::string::npos) {
-      return table.Fail("dofs", "'" + name +
-                                    "' cannot be the name of a DOF; expected "
-                                    "a text without brackets, commas, blanks "
-                                    "and quotes, other than 'ground'");
+      return table.Fail(
+          "dofs", "'" + name +
+                      "' cannot be the name of a DOF; expected no brackets, "
+                      "commas, blanks or quotes, and not 'ground'");
     }
   }
   return true;
@@ -361,8 +361,8 @@ bool ReadMatrixFile(const TomlTable& table, const std::string& key,
   const bool by_name = HoldsMatricesByName(file);
   if (!variable.empty() && !by_name) {
     return table.Fail(key, "'" + file +
-                               "' has one matrix, expected no 'variable', or a "
-                               ".mat, .npz or .op4 file");
+                               "' holds a single matrix; leave out 'variable', "
+                               "or give a .mat, .npz or .op4 file");
   }
   std::string error;
   if (by_name ? !ReadMatrixVariable(*source, variable, matrix, &error)
@@ -477,8 +477,7 @@ bool ReadModelSection(const TomlTable& root, const UnitSystem& units,
   const bool is_finite_element = table.Has("finite_element");
   if (table.Has("reduction") && !is_finite_element) {
     return table.Fail("reduction",
-                      "[model.reduction] without a [model.finite_element], "
-                      "which it reduces");
+                      "[model.reduction] needs a [model.finite_element]");
   }
   std::vector<std::string> dofs;
   if (!ReadDofNames(table, &dofs)) return false;

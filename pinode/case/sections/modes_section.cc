@@ -133,7 +133,7 @@ class ModesCaseReader {
     options.max_order = table.Integer("max_order", 0, 2);
     if (table.errors()->ok() && options.max_order % 2 != 0) {
       return table.Fail("max_order",
-                        "'max_order' is odd, expected an even one: "
+                        "'max_order' is odd, expected an even number, because "
                         "a mode has two states");
     }
     std::vector<std::string> methods;
@@ -214,9 +214,8 @@ class ModesCaseReader {
           c_.options.method == ModalMethod::kDataDriven) {
         c_.remarks.push_back(
             "Record '" + record.name +
-            "' has a measured excitation, of which the method makes no use: "
-            "the excitation's own frequencies are among its modes where it is "
-            "not broad.");
+            "' has a measured excitation, which this method does not use. If "
+            "its spectrum is narrow, its own frequencies appear as modes.");
       }
     }
     std::string message;
@@ -256,7 +255,7 @@ class ModesCaseReader {
       c_.remarks.push_back(
           "Record '" + record.name + "': the mean of " + inputs_[i].name +
           " is " + FormatNumber(mean, 5) +
-          "; a case with its modes says so by [modal] covariates.");
+          ". For a case with these modes set it in [modal] covariates.");
     }
   }
 
@@ -383,7 +382,9 @@ class DataFileReader {
 
   bool FindTime() {
     if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
-      return Fail("a time column and a sampling rate, expected one of them");
+      return Fail(
+          "a time column and a sampling rate are both given, expected one of "
+          "them");
     }
     if (IsTextFile(file_.path) &&
         !ReadTextOutline(file_.path, {}, &outline_, error_)) {
@@ -408,8 +409,8 @@ class DataFileReader {
       if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
     }
     return Fail(
-        "no column is known to be the time; expected one called 't' or 'time', "
-        "clock times, the name of the time column, or a sampling rate");
+        "no column is recognised as the time; expected one named 't' or "
+        "'time', clock times, the name of the time column, or a sampling rate");
   }
 
   bool FindColumns() {
@@ -430,14 +431,14 @@ class DataFileReader {
     }
     if (!texts.empty()) {
       remarks_.push_back(
-          "Left out, because they hold text: " + Join(texts, ", ") + ".");
+          "Left out, because they contain text: " + Join(texts, ", ") + ".");
     }
     if (!times.empty()) {
-      remarks_.push_back("Left out, because they are called as times are: " +
+      remarks_.push_back("Left out, because their names are those of times: " +
                          Join(times, ", ") + ".");
     }
     if (IsTextFile(file_.path)) {
-      return !columns_.empty() || Fail("no column holds a channel's numbers");
+      return !columns_.empty() || Fail("no column has numbers of a channel");
     }
     Table table;
     if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
@@ -493,8 +494,8 @@ class DataFileReader {
     }
     if (!same && (any_voltage || !without.empty())) {
       return Fail(
-          "the columns have different units, and not all of them one that can "
-          "be compared; write a case that gives each its `unit`");
+          "the units of the columns cannot be compared; write a case that "
+          "gives each column its `unit`");
     }
     if (first.empty() || without.empty()) return true;
     for (std::string& unit : units_) unit = first;
@@ -502,11 +503,11 @@ class DataFileReader {
       // "Temp (C)" is something else.
       if (name.back() != ']' && name.back() != ')') continue;
       return Fail("the unit of column '" + name +
-                  "' is not known, and others have " + first +
-                  "; name the columns of one kind alone");
+                  "' is not stated, but others have " + first +
+                  "; name only columns of one kind");
     }
     remarks_.push_back("No unit is stated for " + Join(without, ", ") +
-                       ": taken as " + first + ", as the other columns are.");
+                       ": read as " + first + ", like the other columns.");
     return true;
   }
 

@@ -161,7 +161,7 @@ TEST_F(ModesSectionTest, MeasuredLoadsAndFreeDecays) {
   EXPECT_EQ(c.options.method, ModalMethod::kRingDown);
   EXPECT_THAT(Error(Replaced(text, "file = \"wind.csv\"",
                              "file = \"wind.csv\"\nexcitation = \"none\"")),
-              HasSubstr("expected responses alone"));
+              HasSubstr("expected only responses"));
   EXPECT_THAT(Error(Replaced(decay, "ring_down", "wishful")),
               HasSubstr("wishful"));
 }
@@ -194,8 +194,9 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
   ASSERT_THAT(c.records[0].channels, SizeIs(1));
   EXPECT_EQ(c.records[0].channels[0].name, "a1");
-  EXPECT_THAT(c.remarks, ::testing::Contains(
-                             ::testing::HasSubstr("called as times are: ")));
+  EXPECT_THAT(
+      c.remarks,
+      ::testing::Contains(::testing::HasSubstr("names are those of times: ")));
 
   folder_.Write("timed.csv", "time,a1,remark\n0,1,x\n0.5,3,y\n1,2,z\n");
   file = ModesDataFile();

@@ -164,28 +164,28 @@ class NetworkReader {
     if (gauge == "on") {
       if (skip_given) {
         return table_.Fail("skip",
-                           "'skip = true' with gauge = \"on\", which leaves "
-                           "no linear path; expected skip = false");
+                           "skip = true contradicts gauge = \"on\", which "
+                           "leaves no linear path; set skip = false");
       }
       if (architecture_.hidden_widths.empty()) {
         return table_.Fail("gauge",
-                           "gauge = \"on\" would leave nothing of a linear "
-                           "network, expected at least one hidden layer");
+                           "gauge = \"on\" leaves nothing of a linear network, "
+                           "expected at least one hidden layer");
       }
     } else if (spanned.empty()) {
       return true;
     } else if (architecture_.hidden_widths.empty()) {
-      context_.remarks->push_back(
-          "network '" + term->name + "' is linear and spans " +
-          Join(spanned, ", ") +
-          ": these values cannot be told from the network's; leave one of "
-          "them out.");
+      context_.remarks->push_back("network '" + term->name +
+                                  "' is linear and spans " +
+                                  Join(spanned, ", ") +
+                                  ": these values cannot be told apart from "
+                                  "the network; leave one of them out.");
       return true;
     }
     architecture_.gauge = true;
     architecture_.skip = false;
     std::string remark = "network '" + term->name +
-                         "' is gauged: it has neither value nor slope at rest";
+                         "' is gauged: its value and slope at rest are zero";
     if (!spanned.empty()) {
       remark += ", so that " + Join(spanned, ", ") + " mean" +
                 (spanned.size() == 1 ? "s" : "") + " the tangent there";
@@ -269,7 +269,8 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
     table.set_name("network '" + term.name + "'");
     if (!CheckName(table, "name", term.name)) return false;
     if (!seen.insert(term.name).second) {
-      return table.Fail("name", "its name is used twice");
+      return table.Fail("name",
+                        "this name is used twice, expected different names");
     }
     if (!NetworkReader(table, context, *dynamics).Read(&term)) return false;
     std::string error;

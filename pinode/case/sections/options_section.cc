@@ -81,8 +81,9 @@ bool ReadSimulate(const TomlTable& root, double* noise_percent,
   *noise_is_sigma = table.Has("noise");
   table.Choice("noise", {"sigma"}, "sigma");
   if (*noise_is_sigma && table.Has("noise_percent")) {
-    return table.Fail("noise_percent",
-                      "'noise_percent' beside 'noise', expected one of them");
+    return table.Fail(
+        "noise_percent",
+        "'noise_percent' and 'noise' are both given, expected one of them");
   }
   *noise_percent = table.NonNegativeNumber("noise_percent", 0.0);
   *seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));

@@ -122,7 +122,7 @@ class PlanReader {
         if (time >= step && time <= length * (1.0 + 1e-9)) continue;
         return table_.Fail("durations",
                            "'durations' has " + FormatNumber(duration, 6) +
-                               " s, expected no more than record '" +
+                               " s, expected not more than record '" +
                                record.name + "' has, " +
                                FormatNumber(length / second, 6) +
                                " s, and no less than a step of it");
@@ -175,7 +175,8 @@ class PlanReader {
     }
     CandidateSensor noise;
     if (table.Has("sigma") && table.Has("sigma_percent")) {
-      return table.Fail("sigma_percent", "'sigma_percent' beside 'sigma'");
+      return table.Fail("sigma_percent",
+                        "'sigma_percent' and 'sigma' are both given");
     }
     if (table.Has("sigma")) {
       double factor = 1.0;
@@ -205,9 +206,10 @@ class PlanReader {
                                                  names.front() + "'"));
       }
       if (!Add(static_cast<size_t>(place - names.begin()), quantity, noise)) {
-        return table.Fail("dofs", "'" + dof +
-                                      "' does not move freely, expected a DOF "
-                                      "whose motion is not known");
+        return table.Fail(
+            "dofs",
+            "'" + dof +
+                "' has a prescribed motion, expected a DOF that moves freely");
       }
     }
     return table.errors()->ok();
@@ -292,8 +294,8 @@ bool MoveForces(const std::string& path, const std::string& force_dof,
         forces->elements.empty()) {
       return CaseErrors(path, error)
           .Fail(record.line,
-                "a record has no [[record.force]], expected one that could act "
-                "at the DOFs of 'excite'");
+                "a record has no [[record.force]], expected one to place at "
+                "the DOFs of 'excite'");
     }
     TomlValue force = forces->elements.front();
     force.Set("dof", TomlValue::String(force_dof));

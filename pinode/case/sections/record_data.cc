@@ -176,8 +176,8 @@ class RecordDataReader {
     if (section_.resampling_step == 0.0) return true;
     if (section_.resampling_step * kMostResampled < merged_.sampling_step) {
       return table_.Fail("resample_hz",
-                         "'resample_hz' is more than 100 times the record's "
-                         "own rate, expected less");
+                         "'resample_hz' is more than 100 times the rate of the "
+                         "record, expected less");
     }
     merged_ = ResampleRecord(merged_, section_.resampling_step);
     if (merged_.num_samples() < 2) {
@@ -289,20 +289,18 @@ class RecordDataReader {
                                               "record");
         }
         record_->description.remarks.push_back(
-            spec.name +
-            " is not in this record and is taken as "
-            "zero.");
+            spec.name + " is not in this record and is set to zero.");
         continue;
       }
       std::string error;
       if (!IsCompleteExcitation(merged_, *channel, &error)) {
         return table_.Fail(
             signal != nullptr ? "window" : "ground",
-            error + (spec.kind == InputSpec::Kind::kCovariate
-                         ? "; expected readings from begin to end, a window "
-                           "that has them, or one 'value'"
-                         : "; expected every sample, or a window that leaves "
-                           "the gap out"));
+            error +
+                (spec.kind == InputSpec::Kind::kCovariate
+                     ? "; expected readings from begin to end, a window with "
+                       "readings, or one 'value'"
+                     : "; expected every sample, or a window without the gap"));
       }
       inputs.row(i) = channel->values.transpose();
       if (signal == nullptr) continue;
@@ -363,8 +361,8 @@ class RecordDataReader {
       if (CountPresent(channel.values) != channel.values.size()) {
         return table_.Fail("filter",
                            "channel '" + channel.observation.name +
-                               "' has missing samples and cannot be filtered, "
-                               "expected a window without gaps, or no filter");
+                               "' has missing samples and cannot be filtered; "
+                               "choose a window without gaps, or no filter");
       }
       filter->Apply(&channel.values);
     }
@@ -385,8 +383,8 @@ class RecordDataReader {
         // Without noise of its own it would outweigh all others.
         return signal.table.Fail(
             "column",
-            "it has the same value in every sample, as a dead sensor has; "
-            "expected one that works, 'fit = false', or its 'sigma'");
+            "it has the same value in every sample, like a dead sensor; leave "
+            "it out, set 'fit = false', or give its 'sigma'");
       }
     }
     return true;

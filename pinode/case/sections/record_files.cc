@@ -237,7 +237,7 @@ void RecordFiles::FillReadings(const std::string& label, Vector* values) {
   }
   remarks_.push_back(
       label + ": " + std::to_string(present) + " of " + std::to_string(size) +
-      " samples are there, the others on straight lines between them.");
+      " samples are present. The others are interpolated linearly.");
 }
 
 void RecordFiles::CompareUnits(const SignalSection& signal,
@@ -261,8 +261,8 @@ void RecordFiles::CompareUnits(const SignalSection& signal,
   if (same) return;
   remarks_.push_back(signal.label + ": the file says " + stated +
                      ", the case says " + signal.unit +
-                     ", which is used. Set `unit = \"" + stated +
-                     "\"` if the file is right.");
+                     ". pinode uses the unit of the case. Set `unit = \"" +
+                     stated + "\"` if the file is right.");
 }
 
 // Finds how much later than that of the record's file the zero of another
@@ -277,14 +277,14 @@ bool RecordFiles::AlignClocks(const SignalSection& signal, const Source& file,
   if (own.kind == Kind::kDoubtfulDate || base.kind == Kind::kDoubtfulDate) {
     return signal.table.Fail(
         "file",
-        "day and month of its clock or of that of the record's file "
-        "may be exchanged, expected `time_format` in the record");
+        "day and month of a clock time may be exchanged, here or in the "
+        "record's file; set `time_format` in the record");
   }
   if (own.kind != base.kind) {
-    return signal.table.Fail(
-        "file", "its times and those of '" + section_.file +
-                    "' are not both clock times of one kind, expected times "
-                    "that can be compared");
+    return signal.table.Fail("file",
+                             "its times and those of '" + section_.file +
+                                 "' are not clock times of the same kind, "
+                                 "expected times that can be compared");
   }
   double second = 1.0;
   std::string error;
@@ -304,8 +304,7 @@ bool RecordFiles::Align(const SignalSection& signal, const Source& file,
           kMostSamples)) {
       return signal.table.Fail("file",
                                "at the record's rate it has 1e8 samples or "
-                               "more, expected a record that is sampled less "
-                               "often");
+                               "more, expected a lower rate");
     }
     *values = Resample(*values, file.step, step_);
     remarks_.push_back(signal.label + ": resampled from a step of " +

@@ -108,9 +108,9 @@ class RecordReader {
     section_->time_column = table_.String("time");
     if (!ReadTextFormat(table_, &section_->text_format)) return false;
     if (table_.Has("time") && table_.Has("sampling_rate_hz")) {
-      return table_.Fail("time",
-                         "'time' beside 'sampling_rate_hz', expected "
-                         "one of the two");
+      return table_.Fail(
+          "time",
+          "'time' and 'sampling_rate_hz' are both given, expected one of them");
     }
     if (table_.Has("sampling_rate_hz")) {
       section_->sampling_step =
@@ -129,9 +129,9 @@ class RecordReader {
     }
     if (table_.Has("duration")) {
       if (!simulation_) {
-        return table_.Fail("duration",
-                           "'duration' is for simulations of records without "
-                           "a file, expected 'window'");
+        return table_.Fail(
+            "duration",
+            "'duration' is for simulations without a file; use 'window'");
       }
       section_->duration = table_.PositiveNumber("duration", 1.0) * Second();
     }
@@ -145,8 +145,8 @@ class RecordReader {
     }
     if (section_->has_excitation() &&
         !table_.RequireKey("interpolation",
-                           "one of held, linear, cubic, band_limited: what the "
-                           "excitation does between its samples")) {
+                           "one of held, linear, cubic, band_limited, for the "
+                           "excitation between its samples")) {
       return false;
     }
     const std::string interpolation = table_.Choice(
@@ -221,8 +221,9 @@ class RecordReader {
       channel.signal.table.set_name(table.name());
       channel.signal.label = "channel " + channel.name;
       if (!seen.insert(channel.name).second) {
-        return table.Fail(table.Has("name") ? "name" : "column",
-                          "its name is used twice in this record");
+        return table.Fail(
+            table.Has("name") ? "name" : "column",
+            "this name is used twice in this record, expected different names");
       }
       std::string error;
       const std::string quantity = table.RequiredString("quantity");
@@ -290,8 +291,7 @@ class RecordReader {
     }
     if (section_->duration > 0.0) {
       return table_.Fail("duration",
-                         "'duration' beside a file, expected "
-                         "'window'");
+                         "'duration' and a file are both given; use 'window'");
     }
     if (section_->file.empty()) section_->file = files[0];
     const bool any_table =
@@ -329,7 +329,7 @@ class RecordReader {
       section_->start = IdentificationRecord::Start::kFree;
       known.Choice("from", {"first"}, "first");
       return known.AllowKeys({"from", "samples"}) &&
-             known.RequireKey("samples", "how many of the first samples") &&
+             known.RequireKey("samples", "the number of first samples") &&
              ReadStartSamples(known, "samples");
     }
     if (!known.AllowKeys({"x", "v"})) return false;
@@ -351,9 +351,8 @@ class RecordReader {
   bool ReadStartSamples(const TomlTable& table, const char* key) {
     if (!table.Has(key)) return table_.errors()->ok();
     if (section_->start != IdentificationRecord::Start::kFree) {
-      return table.Fail(key, std::string("'") + key +
-                                 "' says what a free start is found from, "
-                                 "expected start = \"free\"");
+      return table.Fail(key,
+                        std::string("'") + key + "' needs start = \"free\"");
     }
     section_->start_samples = table.LongInteger(key, 0, 1);
     return table_.errors()->ok();
@@ -399,16 +398,15 @@ class RecordReader {
       if (!section_->free_decay || !table_.Has(key)) continue;
       return table_.Fail(key, std::string("'") + key +
                                   "' in a record with excitation = \"none\", "
-                                  "expected responses alone");
+                                  "expected only responses");
     }
     if (!section_->ambient) {
       return !table_.Has("ambient") ||
-             table_.Fail("ambient",
-                         "'ambient' without excitation = \"ambient\"");
+             table_.Fail("ambient", "'ambient' needs excitation = \"ambient\"");
     }
     if (simulation_) {
       return table_.Fail("excitation",
-                         std::string("loads that nobody measured cannot be ") +
+                         std::string("unmeasured loads cannot be ") +
                              (planning_ ? "planned for" : "simulated") +
                              ", expected measured ones");
     }
@@ -423,20 +421,20 @@ class RecordReader {
       const TomlTable& table = input.signal.table;
       for (const char* key : {"sigma", "sigma_percent"}) {
         if (!table.Has(key)) continue;
-        return table.Fail(key, std::string("'") + key +
-                                   "' of a measured load beside loads that "
-                                   "nobody measured, expected none: its "
-                                   "noise is one of these");
+        return table.Fail(
+            key, std::string("'") + key +
+                     "' of a measured load in a record with unmeasured loads, "
+                     "expected none: they include its noise");
       }
       const TomlValue* scale = table.Find("scale");
       if (IsVoltage(table) && scale == nullptr) {
         return table.Fail("unit",
-                          "a load in volts in a record with excitation = "
-                          "\"ambient\", expected a number for 'scale'");
+                          "a load in volts with excitation = \"ambient\" needs "
+                          "a number for 'scale'");
       }
       if (scale == nullptr || !scale->IsTable()) continue;
       return table.Fail("scale",
-                        "an unknown 'scale' in a record with excitation = "
+                        "'scale' cannot be unknown with excitation = "
                         "\"ambient\", expected a number");
     }
     return CheckAmbientChannels();
@@ -447,16 +445,18 @@ class RecordReader {
       const TomlTable& table = channel.signal.table;
       for (const char* key : {"gain", "offset", "delay"}) {
         if (!table.Has(key)) continue;
-        return table.Fail(key, std::string("'") + key +
-                                   "' cannot be told from loads that nobody "
-                                   "measured, expected none");
+        return table.Fail(
+            key,
+            std::string("'") + key +
+                "' cannot be told apart from unmeasured loads; leave it out");
       }
       // For modes alone the scale and noise of a channel have no effect.
       if (responses_only_) continue;
       if (IsVoltage(table)) {
-        return table.Fail("unit",
-                          "a channel in volts in a record with excitation = "
-                          "\"ambient\", expected the unit of what it measures");
+        return table.Fail(
+            "unit",
+            "a channel in volts cannot be used with excitation = \"ambient\", "
+            "expected the unit of the measured quantity");
       }
       for (const char* key : {"fit", "sigma", "sigma_percent"}) {
         if (!table.Has(key)) continue;
@@ -469,8 +469,8 @@ class RecordReader {
     if (responses_only_) return true;
     if (section_->role == IdentificationRecord::Role::kHoldout) {
       return table_.Fail("role",
-                         "a hold-out with excitation = \"ambient\", which "
-                         "cannot be predicted, expected train");
+                         "a record with excitation = \"ambient\" cannot be "
+                         "predicted, expected role = \"train\"");
     }
     return section_->has_excitation() || !table_.Has("interpolation") ||
            table_.Fail("interpolation",
@@ -512,7 +512,8 @@ bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
     RecordSection section(table);
     if (!RecordReader(units, model, purpose, &section).Read()) return false;
     if (!seen.insert(section.name).second) {
-      return section.table.Fail("name", "its name is used twice");
+      return section.table.Fail(
+          "name", "this name is used twice, expected different names");
     }
     sections->push_back(std::move(section));
   }

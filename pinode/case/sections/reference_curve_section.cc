@@ -32,7 +32,7 @@ bool CheckTerm(const TomlTable& table, const std::string& name,
         !DrivesOneMass(outputs, dynamics.model().mass)) {
       return table.Fail("term", "'" + name +
                                     "' is an acceleration of coupled masses, "
-                                    "expected one that acts as a force");
+                                    "expected a term that acts as a force");
     }
     return true;
   };
@@ -76,8 +76,8 @@ bool ReadReferenceCurves(const TomlTable& root,
     curve.force = values.values.col(values.FindColumn(force));
     if (curve.force.size() < 2 || !values.values.allFinite()) {
       return table.Fail("file", "'" + file +
-                                    "' is no curve, expected two rows or more "
-                                    "and a number in every cell");
+                                    "' is not a curve, expected at least two "
+                                    "rows and a number in every cell");
     }
     curves->push_back(std::move(curve));
   }

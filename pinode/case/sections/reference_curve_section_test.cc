@@ -85,9 +85,9 @@ TEST_F(ReferenceCurveSection, RefusesWhatItCannotDraw) {
               HasSubstr("drift"));
   EXPECT_THAT(Refusal("force = \"f\"", "forces = \"f\""), HasSubstr("'force'"));
   folder_.Write("curve.csv", "f,d\n-2,-1\n,0\n2,1\n");
-  EXPECT_THAT(Refusal("data sheet", "sheet"), HasSubstr("is no curve"));
+  EXPECT_THAT(Refusal("data sheet", "sheet"), HasSubstr("is not a curve"));
   folder_.Write("curve.csv", "f,d\n-2,-1\n");
-  EXPECT_THAT(Refusal("data sheet", "sheet"), HasSubstr("is no curve"));
+  EXPECT_THAT(Refusal("data sheet", "sheet"), HasSubstr("is not a curve"));
 }
 
 TEST_F(ReferenceCurveSection, GoesOnWithTheModel) {

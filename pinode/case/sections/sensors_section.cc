@@ -90,8 +90,8 @@ class SensorsReader {
             in_volts && index < 0
                 ? "a channel in volts needs its sensitivity, expected gain = "
                   "{initial = ...} in volts per the model's unit"
-                : "it is in volts in one record and not in another, where it "
-                  "has the same gain; expected another name of the channel");
+                : "it is in volts in one record but not in another with the "
+                  "same gain; give the channel another name there");
       }
     }
     return true;

@@ -130,7 +130,7 @@ bool SharedTables::Read(const Wanted& wanted, Table* table,
       own_.erase(own);
     }
     if (!Pass(OwnerOf(index), &result)) {
-      *error = wanted.path + ": the rank that has read it does not answer";
+      *error = wanted.path + ": the rank that reads it does not answer";
       return false;
     }
   }

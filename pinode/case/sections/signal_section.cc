@@ -88,9 +88,8 @@ bool ReadSource(const std::string& record_file, SignalSection* signal) {
   }
   if (IsAt2File(signal->file)) {
     if (table.Has("column")) {
-      return table.Fail("column",
-                        "'column' of an AT2 file, which holds one motion "
-                        "only; expected none");
+      return table.Fail(
+          "column", "an AT2 file holds a single motion; leave out 'column'");
     }
   } else {
     signal->column = table.RequiredString("column");
@@ -142,9 +141,9 @@ bool ReadUnit(const UnitSystem& units, const TomlTable& record,
   }
   signal->factor = factor * signal->scale * signal->sign;
   if (table.Has("sigma") && table.Has("sigma_percent")) {
-    return table.Fail("sigma",
-                      "'sigma' beside 'sigma_percent', expected one "
-                      "of the two");
+    return table.Fail(
+        "sigma",
+        "'sigma' and 'sigma_percent' are both given, expected one of them");
   }
   signal->sigma = factor * table.NonNegativeNumber("sigma", 0.0);
   signal->sigma_percent = table.NonNegativeNumber("sigma_percent", 0.0);

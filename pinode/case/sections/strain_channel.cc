@@ -27,9 +27,9 @@ bool ReadStrainKeys(const TomlTable& table, ChannelSection* channel) {
   if (!table.errors()->ok()) return false;
   if (distance == 0.0) {
     return table.Fail("distance",
-                      "'distance' is 0, but on the neutral axis there is no "
-                      "strain of bending; expected the distance from it, or "
-                      "none where the combination is one of displacements");
+                      "'distance' is 0, but the neutral axis has no strain "
+                      "from bending; give the distance from it, or leave it "
+                      "out for a combination of displacements");
   }
   channel->weights = table.Has("distance")
                          ? BendingStrain(channel->weights, distance, length)

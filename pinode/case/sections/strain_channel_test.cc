@@ -186,7 +186,7 @@ TEST_F(StrainChannel, RefusesWhatIsWrong) {
   EXPECT_THAT(Refusal(ends + "gauge_length = -0.2\n"),
               HasSubstr("expected a positive number"));
   EXPECT_THAT(Refusal(ends + "gauge_length = 0.2\ndistance = 0\n"),
-              HasSubstr("on the neutral axis"));
+              HasSubstr("the neutral axis has no strain"));
   EXPECT_THAT(Refusal(ends + "gauge_length = 0.2\ndof = \"r1\"\n"),
               HasSubstr("expected one of dof"));
   EXPECT_THAT(Refusal("unit = \"mm\"\ndof = \"u1\"\ngauge_length = 0.2\n"),

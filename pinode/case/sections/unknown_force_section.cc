@@ -81,7 +81,7 @@ class UnknownForceReader {
   bool Refuse(const std::vector<std::string>& keys, const std::string& why) {
     for (const std::string& key : keys) {
       if (table_.Has(key)) {
-        return table_.Fail(key, "'" + key + "' does not go with " + why);
+        return table_.Fail(key, "'" + key + "' cannot be combined with " + why);
       }
     }
     return true;
@@ -89,18 +89,18 @@ class UnknownForceReader {
 
   bool ReadSpline(const std::string& shape) {
     if (!Refuse({"parameters"},
-                "a spline, expected 'window', 'knot_spacing' "
-                "and 'scale'")) {
+                "a spline, which needs 'window', 'knot_spacing' and 'scale'")) {
       return false;
     }
     for (const char* key : {"window", "knot_spacing", "scale"}) {
       if (!table_.RequireKey(
-              key, key == std::string("window")
-                       ? "[first, last] time at which the force may act, in "
-                         "seconds"
-                   : key == std::string("scale")
-                       ? "about the size of the force, in the model's unit"
-                       : "the time between knots, in seconds")) {
+              key,
+              key == std::string("window")
+                  ? "[first, last] time at which the force may act, in "
+                    "seconds"
+              : key == std::string("scale")
+                  ? "the approximate size of the force, in the model's unit"
+                  : "the time between knots, in seconds")) {
         return false;
       }
     }
@@ -159,7 +159,7 @@ class UnknownForceReader {
       return true;
     }
     if (!Refuse({"neighbourhood", "relaxation"},
-                "'band_hz', which is a prior of its own")) {
+                "'band_hz', which is itself a prior")) {
       return false;
     }
     const std::vector<double> band = table_.Numbers("band_hz", 2, "corner");
@@ -178,7 +178,7 @@ class UnknownForceReader {
   bool ReadPulse() {
     if (!Refuse({"window", "knot_spacing", "scale", "neighbourhood",
                  "relaxation", "band_hz", "values", "free"},
-                "a half-sine pulse, expected parameters.start, "
+                "a half-sine pulse, which needs parameters.start, "
                 "parameters.duration and parameters.amplitude")) {
       return false;
     }
@@ -239,14 +239,13 @@ class UnknownForceReader {
       if (sees) continue;
       context_.remarks->push_back(
           "The static part of the unknown force " + term_.name +
-          " is not observable: record " + section.name +
-          " has no channel of displacement or strain. What is found of it well "
-          "below the "
-          "first natural frequency is the prior's (" +
-          (table_.Has("band_hz")      ? "band_hz"
-           : table_.Has("relaxation") ? "relaxation"
-                                      : "smoothness alone, which lets it "
-                                        "drift: give band_hz or relaxation") +
+          " cannot be seen: record " + section.name +
+          " has no channel of displacement or strain. Well below the first "
+          "natural frequency the result is only the prior (" +
+          (table_.Has("band_hz") ? "band_hz"
+           : table_.Has("relaxation")
+               ? "relaxation"
+               : "smoothness, which allows drift: give band_hz or relaxation") +
           "), and its band grows there.");
     }
   }
@@ -317,7 +316,8 @@ bool ReadUnknownForces(const TomlTable& root, const TermsContext& context,
     if (!root.errors()->ok()) return false;
     table.set_name("unknown force '" + name + "'");
     if (!seen.insert(name).second) {
-      return table.Fail("name", "its name is used twice");
+      return table.Fail("name",
+                        "this name is used twice, expected different names");
     }
     if (!UnknownForceReader(table, context, sections).Read(dynamics)) {
       return false;
@@ -452,10 +452,9 @@ bool CheckUnknownForces(const TomlTable& root,
       if (term.input >= 0 && acts_in(r) &&
           sections[r].role == IdentificationRecord::Role::kHoldout) {
         return sections[r].table.Fail(
-            "role", "role = \"holdout\": the unknown force '" + term.name +
-                        "' acts in a record that is held out, where nothing "
-                        "says how large it is, expected a training record, or "
-                        "free = false");
+            "role", "the unknown force '" + term.name +
+                        "' acts in a hold-out record, which does not determine "
+                        "it; set role = \"train\", or free = false");
       }
     }
     const auto* spline = dynamic_cast<const SplineForce*>(term.history.get());
@@ -486,34 +485,28 @@ bool CheckUnknownForces(const TomlTable& root,
           continue;
         }
         return sections[r].channels[c].signal.table.Fail(
-            "column",
-            "the noise of an acceleration where the unknown force '" +
-                term.name +
-                "' acts cannot be told from a force with as many knots as "
-                "samples, expected 'sigma' or 'sigma_percent' (or wider knots, "
-                "or band_hz)");
+            "column", "with the unknown force '" + term.name +
+                          "' at this acceleration, which has a knot per "
+                          "sample, its noise cannot be found; give 'sigma', "
+                          "'sigma_percent', wider knots or band_hz");
       }
     }
   }
   if (!any_free) return true;
   const TomlTable table = root.Table("options", "[options]");
   if (table.String("shooting") == "multiple") {
-    return table.Fail(
-        "shooting",
-        "shooting = \"multiple\" does not go with unknown forces: "
-        "free starts of segments would take up what the "
-        "forces do, expected \"single\", which is the default "
-        "with them");
+    return table.Fail("shooting",
+                      "shooting = \"multiple\" cannot be combined with unknown "
+                      "forces: the free starts of segments would replace them. "
+                      "Use \"single\", the default here");
   }
   options->shooting = IdentificationOptions::Shooting::kSingle;
   if (any_spline &&
       options->covariance == IdentificationOptions::Covariance::kSandwich) {
-    return table.Fail(
-        "covariance",
-        "covariance = \"sandwich\" does not go with a spline: it has "
-        "more knots than there are blocks of "
-        "samples to say how sure each of them is, expected "
-        "\"auto\" or \"plain\"");
+    return table.Fail("covariance",
+                      "covariance = \"sandwich\" cannot be combined with a "
+                      "spline, which has more knots than there are blocks of "
+                      "samples; use \"auto\" or \"plain\"");
   }
   return true;
 }

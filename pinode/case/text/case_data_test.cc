@@ -98,7 +98,7 @@ TEST_F(CaseDataTest, FilesOfACaseThatIsWrittenStayWhereTheyAre) {
   // Not in place of itself.
   EXPECT_FALSE(WriteCaseFolder(*from_files_.source, CaseData(), path,
                                folder_.Path("deep/out"), &error_));
-  EXPECT_THAT(error_, HasSubstr("is the file of the case itself"));
+  EXPECT_THAT(error_, HasSubstr("would overwrite the case itself"));
 }
 
 TEST_F(CaseDataTest, ModelCasesHaveTheirRecordsBesideThem) {

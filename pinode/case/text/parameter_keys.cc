@@ -61,12 +61,12 @@ bool ReadParameterKeys(const TomlTable& table, double factor,
   }
   if (parameter->value < parameter->lower ||
       parameter->value > parameter->upper) {
-    return table.Fail("initial",
-                      "the initial value of '" + parameter->name + "', " +
-                          FormatNumber(parameter->value / factor, 6) +
-                          ", lies outside its bounds, expected one within [" +
-                          FormatNumber(parameter->lower, 6) + ", " +
-                          FormatNumber(parameter->upper, 6) + "]");
+    return table.Fail(
+        "initial", "the initial value of '" + parameter->name + "', " +
+                       FormatNumber(parameter->value / factor, 6) +
+                       ", lies outside its bounds, expected a value within [" +
+                       FormatNumber(parameter->lower, 6) + ", " +
+                       FormatNumber(parameter->upper, 6) + "]");
   }
   return true;
 }
@@ -81,10 +81,10 @@ bool CheckName(const TomlTable& table, const std::string& key,
                              static_cast<unsigned char>(c) >= 0x80;
                     });
   if (good) return true;
-  return table.Fail(key, "'" + name +
-                             "' cannot be a name here: results are written to "
-                             "files of that name; expected letters, digits, "
-                             "'_', '-', '.' and '+'");
+  return table.Fail(key,
+                    "'" + name +
+                        "' cannot be a name here, because files get this name; "
+                        "use letters, digits, '_', '-', '.' and '+'");
 }
 
 }  // namespace pinode

@@ -288,7 +288,7 @@ TEST(Usable, GroupsHaveToBeTold) {
   };
   EXPECT_TRUE(usable(AmbientSummary(0.5, 0.9)));
   EXPECT_THAT(Judged(AmbientSummary(0.001, 0.9)),
-              HasSubstr("none of 'k1', 'k2' can be told"));
+              HasSubstr("none of 'k1', 'k2' is determined by the data"));
   // What is left beside all modes is not enough for honest intervals.
   EXPECT_FALSE(usable(AmbientSummary(0.05, 0.9)));
   // Half of them are enough; not where they are not known.

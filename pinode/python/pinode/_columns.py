@@ -48,7 +48,7 @@ class Columns:
             return given
         if self._path is not None:
             raise Error(
-                f"{self._record}: an array for 'time' beside a file, expected the name of a column"
+                f"{self._record}: 'time' is an array, but the record has a file; expected the name of a column"
             )
         self._time = self._free_name("t")
         self._columns[self._time] = self._times("time", as_matrix(given))
@@ -71,8 +71,8 @@ class Columns:
         elif values is not None:
             if file is not None:
                 raise Error(
-                    f"{self._record}: an array for '{name}' beside a file of its own, expected "
-                    "the name of a column"
+                    f"{self._record}: '{name}' has both an array and a file; expected an array or "
+                    "the name of a column of the file"
                 )
             keys.update(self._array(name, as_matrix(values), keys.pop("time", None)))
             in_memory = True
@@ -98,11 +98,11 @@ class Columns:
             return {"column": column}
         if (time is None) != (self._time is None):
             raise Error(
-                f"{self._record}: 'time' of '{name}' beside 'step', expected no 'time' or that of "
-                "the record"
+                f"{self._record}: '{name}' has a 'time', but the record has a 'step'; leave out one "
+                "of them, or give the record the 'time'"
                 if self._time is None else
-                f"{self._record}: an array for '{name}' beside a file with a column of the time, "
-                "expected {'values': ..., 'time': seconds}, or the record's 'step' in place of "
+                f"{self._record}: '{name}' is an array without times, but the file has a column of the "
+                "time; expected {'values': ..., 'time': seconds}, or the record's 'step' instead of "
                 "that column"
             )
         if time is None:

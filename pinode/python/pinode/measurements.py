@@ -372,8 +372,8 @@ def rate_from(
     given = {"step": step, "fs": fs, "sampling_rate_hz": sampling_rate_hz}
     given = {key: value for key, value in given.items() if value is not None}
     if len(given) > 1:
-        names = " beside ".join(f"'{key}'" for key in given)
-        raise Error(f"{where}: {names}, expected one of them")
+        names = " and ".join(f"'{key}'" for key in given)
+        raise Error(f"{where}: {names} are given, expected one of them")
     for key, value in given.items():
         try:
             number = float(plain(value)) if not isinstance(value, (bool, str)) else float("nan")

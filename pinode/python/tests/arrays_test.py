@@ -75,7 +75,7 @@ def test_masked_readings_of_a_covariate_are_missing():
     channels = [pinode.Channel("a", WAVE, "displacement", dof="u1")]
     warm = hidden(np.full(COUNT, 20.0), 7, 8)
     remarks = case([record(channels, covariate={"T": warm})]).records["r"]["remarks"]
-    assert any("398 of 400 samples are there" in remark for remark in remarks)
+    assert any("398 of 400 samples are present" in remark for remark in remarks)
 
 
 def test_masked_entries_of_shapes_and_matrices():

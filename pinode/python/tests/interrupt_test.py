@@ -120,7 +120,7 @@ def test_leaves_no_folder_and_a_case_that_works(tmp_path):
 def test_errors_are_as_ever(healthy):
     with pytest.raises(pinode.Error, match="too short"):
         pinode.identify_modes(RANDOM.standard_normal((10, 1)), step=0.1)
-    with pytest.raises(pinode.Error, match="^a record has no force, expected one that could act"):
+    with pytest.raises(pinode.Error, match="^a record has no force, expected one to place"):
         healthy.plan_sensors(1, force_at="u9")
 
 

@@ -106,7 +106,7 @@ def case(**keys):
     (lambda: pinode.channels("a", np.zeros((3, 200)), "strain"), "transpose, values.T"),
     (lambda: record(interpolation="lin"), "interpolation is the text 'lin'.*'linear'"),
     (lambda: record(step=None), "expected step=seconds, fs=samples a second or time=times"),
-    (lambda: record(fs=100.0), "'step' beside 'fs', expected one of them"),
+    (lambda: record(fs=100.0), "'step' and 'fs' are given, expected one of them"),
     (lambda: record(step=None, fs=0.0), "fs is the number 0.0, expected a positive number"),
     (lambda: record(ground={"x": np.zeros(10)}),
      r"'a' has 200 values and ground\['x'\] 10, expected one for each sample"),

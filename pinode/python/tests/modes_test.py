@@ -210,7 +210,7 @@ def test_of_a_data_file_as_the_program_finds_them(sheet, tmp_path):
 def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
     wind = sheet / "wind.csv"
     for given, sentence in (
-            ({}, "no column is known to be the time"),
+            ({}, "no column is recognised as the time"),
             ({"step": STEP, "columns": ["a9"]}, "a9"),
             ({"step": STEP, "columns": 3}, "columns is a value of type int"),
             ({"step": -1.0}, "'step' is the number -1.0"),
@@ -292,7 +292,7 @@ def test_the_rate_is_a_step_or_a_frequency(rows):
     of_setup = pinode.identify_modes({"one": {"values": rows[:6000], "fs": 50.0}}, max_order=12)
     for other in (*found, of_setup.frequencies_hz):
         assert np.allclose(other, found[0], rtol=1e-9)
-    with pytest.raises(pinode.Error, match="'step' beside 'fs', expected one of them"):
+    with pytest.raises(pinode.Error, match="'step' and 'fs' are given, expected one of them"):
         pinode.identify_modes(rows, step=STEP, fs=50.0)
 
 

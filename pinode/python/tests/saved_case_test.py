@@ -119,7 +119,7 @@ def test_a_case_is_not_saved_over_itself(tmp_path):
     path = copied(tmp_path)
     path = path.rename(path.with_name("case.toml"))
     before = path.read_text()
-    with pytest.raises(pinode.Error, match="is the file of the case itself, expected another"):
+    with pytest.raises(pinode.Error, match="would overwrite the case itself"):
         pinode.read_case(path).replace(title="b").save(path.parent)
     assert path.read_text() == before
 

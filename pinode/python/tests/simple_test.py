@@ -52,7 +52,7 @@ def test_the_springs_are_the_stiffness(fit):
     ({"response": None}, "response is None, expected an array of numbers"),
     ({"ground": None}, "ground and force are both missing.*identify_modes"),
     ({"step": None}, "expected step=seconds, fs=samples a second or time=times"),
-    ({"fs": 100.0}, "'step' beside 'fs', expected one of them"),
+    ({"fs": 100.0}, "'step' and 'fs' are given, expected one of them"),
     ({"damping": 2.0}, "damping is the number 2.0, expected a ratio such as 0.02"),
     ({"stiffness": np.ones((3, 3)) + 2.0 * np.eye(3)}, "groups is missing"),
     ({"quantity": "acc"}, "quantity is the text 'acc', expected one of"),

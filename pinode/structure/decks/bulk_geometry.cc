@@ -206,7 +206,7 @@ class BulkReader {
     }
     if (!index_.emplace(number, static_cast<int>(positions_.size())).second) {
       return FailAtCard("GRID " + std::to_string(number) +
-                        " is there twice, expected different numbers");
+                        " is given twice, expected different numbers");
     }
     geometry_->node_names.push_back(std::to_string(number));
     positions_.push_back(position);

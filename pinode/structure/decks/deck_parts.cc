@@ -292,7 +292,7 @@ class DeckReader {
 
   static std::string IsThereTwice(const std::string& what, int number) {
     return what + " " + std::to_string(number) +
-           " is there twice, expected different numbers in a part";
+           " is given twice, expected different numbers in a part";
   }
 
   bool TooMany(const LineReader& lines) const {
