@@ -137,11 +137,12 @@ bool DecaySearch::IsListed(const PoleCluster& cluster) {
 void DecaySearch::RemarkOnRest(const Vector& rest) {
   for (Eigen::Index c = 0; c < rest.size(); ++c) {
     if (rest[c] < kLargestRest) continue;
-    result_.remarks.push_back(
-        "Channel '" + record_.channels[static_cast<size_t>(c)].name +
-        "': decaying vibrations leave " + FormatNumber(100.0 * rest[c], 2) +
-        " % of it. Does a load still act, or does the damping depend on the "
-        "amplitude?");
+    result_.remarks.push_back("Channel '" +
+                              record_.channels[static_cast<size_t>(c)].name +
+                              "': decaying vibrations do not explain " +
+                              FormatNumber(100.0 * rest[c], 2) +
+                              " % of it. Check whether a load still acts, or "
+                              "whether the damping depends on the amplitude.");
   }
 }
 

@@ -129,12 +129,12 @@ class ModeFinder {
     }
     if (method_ == ModalMethod::kInputOutput && record_.inputs.rows() == 0) {
       return Fail("method",
-                  "has no measured load, expected one for method input_output");
+                  "has no measured load; method input_output needs one");
     }
     if (method_ == ModalMethod::kRingDown && record_.samples.hasNaN()) {
-      return Fail(options_.method == method_ ? "method" : "",
-                  "has missing samples, expected a complete decay for method "
-                  "ring_down");
+      return Fail(
+          options_.method == method_ ? "method" : "",
+          "has missing samples; method ring_down needs a complete decay");
     }
     return true;
   }
@@ -158,7 +158,7 @@ class ModeFinder {
             FormatNumber(mode.check_frequency_hz, 6) +
             " Hz with a damping of " +
             FormatNumber(100.0 * mode.check_damping_ratio, 3) +
-            " %, further away than its deviations.");
+            " %, further away than its standard deviation allows.");
       }
     }
   }
@@ -172,9 +172,9 @@ class ModeFinder {
                                2.0 * options_.stabilisation.frequency_tolerance;
                       });
       if (!found) {
-        result_->remarks.push_back("No pole lies at the " +
-                                   FormatNumber(wanted, 6) +
-                                   " Hz that was picked.");
+        result_->remarks.push_back(
+            "No pole lies at the " + FormatNumber(wanted, 6) +
+            " Hz that you picked. Pick a peak of the diagram.");
       }
     }
   }
@@ -186,7 +186,7 @@ class ModeFinder {
           [&name](const ResponseChannel& c) { return c.name == name; });
       if (place == record_.channels.end()) {
         option_ = "references";
-        *error_ = "reference '" + name + "' is no channel of record '" +
+        *error_ = "reference '" + name + "' is not a channel of record '" +
                   record_.name + "'";
         return false;
       }
@@ -214,7 +214,7 @@ class ModeFinder {
         return Fail("", "is too short: there is no band between " + limits);
       }
       return Fail(options_.highest_hz > 0.0 ? "highest_hz" : "lowest_hz",
-                  "has modes looked for from " + FormatNumber(lowest_hz_, 4) +
+                  "is searched for modes from " + FormatNumber(lowest_hz_, 4) +
                       " to " + FormatNumber(highest_hz_, 4) +
                       " Hz, expected a band between " + limits);
     }

@@ -182,7 +182,7 @@ TEST(IdentifyModesTest, SaysWhatIsWrong) {
   options = {};
   options.references = {"u7"};
   EXPECT_THAT(ErrorOf(good, options),
-              HasSubstr("references: reference 'u7' is no channel"));
+              HasSubstr("references: reference 'u7' is not a channel"));
   options = {};
   options.max_order = 400;
   EXPECT_THAT(ErrorOf(good, options),

@@ -87,8 +87,8 @@ class Merger {
     }
     if (names.empty()) {
       *error_ =
-          "the records have no place in common by which their shapes could be "
-          "tied together, expected reference sensors";
+          "the records have no common place to join their shapes; use "
+          "reference sensors that stay";
       return false;
     }
     for (const SetupModes& setup : setups_) {
@@ -166,8 +166,8 @@ class Merger {
       if (members[s] < 0) continue;
       merged_->remarks.push_back(
           "A mode at " + FormatNumber(mode(s, members[s]).frequency_hz, 5) +
-          " Hz is seen by record '" + setups_[s].name +
-          "' and by fewer than half of the others; it is left out.");
+          " Hz was found in record '" + setups_[s].name +
+          "' and in fewer than half of the others. It is left out.");
     }
   }
 

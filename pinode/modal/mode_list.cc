@@ -62,12 +62,10 @@ void ModeList::MarkHarmonic(const RecordAtRate& level, const SubspacePole& pole,
   if (!mode->is_harmonic) return;
   result_.remarks.push_back(
       "The vibration at " + FormatNumber(mode->frequency_hz, 5) +
-      " Hz is a harmonic, not a mode: its amplitude is constant, its "
-      "kurtosis "
-      "is " +
+      " Hz is a harmonic, not a mode: its amplitude is constant (kurtosis " +
       FormatNumber(narrow.kurtosis, 3) +
-      " (a sine has 1.5, random vibration 3), and its damping may be zero. "
-      "Set harmonics = true in [modes] to have it in modes.toml.");
+      "; a sine has 1.5, random vibration 3) and its damping may be zero. To "
+      "keep it, set harmonics = true in [modes].");
 }
 
 void ModeList::Finish() {

@@ -28,7 +28,7 @@ bool ResponseRecord::IsValid(std::string* error) const {
   if (inputs.rows() > 0 &&
       (inputs.cols() != samples.cols() || !inputs.allFinite())) {
     *error = where + " has loads of " + std::to_string(inputs.cols()) +
-             " samples beside responses of " + std::to_string(samples.cols()) +
+             " samples but responses of " + std::to_string(samples.cols()) +
              ", expected as many, all of them finite";
     return false;
   }

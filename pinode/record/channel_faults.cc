@@ -61,8 +61,7 @@ double CorrelationOfPresent(const Vector& a, const Vector& b) {
 std::string WhyChannelIsUseless(const Vector& values) {
   if (values.array().isInf().any()) return "has an infinite sample";
   if (CountPresent(values) < 2 || !(StandardDeviationOfPresent(values) > 0.0)) {
-    return "is dead: all its samples are alike, expected vibrations; leave it "
-           "out";
+    return "is dead: all its samples are equal; leave it out";
   }
   return "";
 }
@@ -85,20 +84,20 @@ std::vector<std::string> FindChannelFaults(
     const double repeated = ShareRepeated(values);
     if (repeated > kRepeatedShare) {
       faults.push_back(channel + "repeats itself: " + Percent(repeated) +
-                       " of its samples are equal to the one before. A sensor "
-                       "that hangs, or one read too rarely?");
+                       " of its samples are equal to the one before. Check "
+                       "whether the sensor hangs or is read too rarely.");
     } else if (clipped > kClippedShare) {
       faults.push_back(channel + "is clipped: " + Percent(clipped) +
-                       " of its samples stay at its extreme values. Damping "
-                       "and shapes suffer.");
+                       " of its samples are at its extreme values. Damping and "
+                       "shapes become less accurate.");
     }
     for (size_t other = 0; other < c; ++other) {
       const double correlation = CorrelationOfPresent(
           values, samples.row(static_cast<Eigen::Index>(other)));
       if (std::abs(correlation) < kDuplicate) continue;
       faults.push_back(channel + "is channel '" + channels[other] +
-                       "' once more (correlation " +
-                       FormatNumber(correlation, 7) + ").");
+                       "' again (correlation " + FormatNumber(correlation, 7) +
+                       ").");
     }
   }
   return faults;

@@ -38,7 +38,8 @@ double RemoveOffset(Vector* values) {
 }
 
 Vector FillMissing(const Vector& values) {
-  CHECK_GT(CountPresent(values), 0) << "there is nothing to fill gaps with";
+  CHECK_GT(CountPresent(values), 0)
+      << "all samples are missing, so the gaps cannot be filled";
   Vector filled = values;
   for (const Gap& gap : FindGaps(values)) {
     const Eigen::Index after = gap.first + gap.size;

@@ -273,21 +273,22 @@ class FaultFinder {
     std::string text = signal.label + ": ";
     if (count == 1) {
       text += "the sample at " + Time(first) + ", " + Value(signal, first) +
-              ", is " + far + ". A bad sample?";
+              ", is " + far + ". Check this sample.";
     } else if (outliers.alike) {
       text += std::to_string(count) + " samples are " + Value(signal, first) +
               ", the first at " + Time(first) + ", " + far +
-              ". Do they mark missing samples?";
+              ". Check whether they mark missing samples.";
     } else {
       text += std::to_string(count) + " samples, the first at " + Time(first) +
-              " (" + Value(signal, first) + "), are " + far + ". Bad samples?";
+              " (" + Value(signal, first) + "), are " + far +
+              ". Check these samples.";
     }
     if (signal.kind != Kind::kLoad) {
       return text + " Empty cells are read as missing.";
     }
     return text +
-           " The structure does not feel them; expected what it felt, or a "
-           "window that leaves them out.";
+           " The structure did not feel them. Correct them, or choose a window "
+           "without them.";
   }
 
   void AddRepeats(const WatchedSignal& signal) {
@@ -305,25 +306,24 @@ class FaultFinder {
     if (!is_load && repeats.held_share > kHeldShare &&
         repeats.typical_step > kSteps * repeats.least_step) {
       faults_.push_back(signal.label + ": " + Percent(repeats.held_share) +
-                        " of its samples are equal to the one before. A sensor "
-                        "that hangs, or one read too rarely?");
+                        " of its samples are equal to the one before. Check "
+                        "whether the sensor hangs or is read too rarely.");
     } else if (repeats.hang_size > 0 && seldom &&
                is_sudden(repeats.hang_departure) &&
                !(is_load && signal.values[repeats.hang_first] == 0.0)) {
       faults_.push_back(
           signal.label + ": stays at " + Value(signal, repeats.hang_first) +
           " for " + std::to_string(repeats.hang_size) + " samples from " +
-          Time(repeats.hang_first) + " on. A sensor that hangs? " +
-          (is_load ? "Expected what the structure felt, or a window that "
-                     "leaves them out."
+          Time(repeats.hang_first) + " on. Check whether the sensor hangs. " +
+          (is_load ? "Correct the samples, or choose a window without them."
                    : "Empty cells are read as missing."));
     } else if (repeats.limit_share > kAtLimitShare && seldom &&
                repeats.limit_share < kMostAtLimit &&
                is_sudden(repeats.limit_arrival)) {
       faults_.push_back(signal.label + ": is clipped, " +
                         Percent(repeats.limit_share) +
-                        " of its samples stay at its extreme values. What is "
-                        "found from it suffers.");
+                        " of its samples are at its extreme values. Results "
+                        "from it become less accurate.");
     }
   }
 
@@ -341,7 +341,7 @@ class FaultFinder {
         continue;
       }
       faults_.push_back(signal.label + ": is " + earlier.label +
-                        " once more, sample by sample.");
+                        " again, sample by sample.");
       return;
     }
   }

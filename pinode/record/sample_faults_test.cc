@@ -69,14 +69,14 @@ TEST(SampleFaults, NamesASpike) {
   signals[1].values[500] += 1000.0;
   EXPECT_THAT(FaultsOf(signals),
               ElementsAre(AllOf(HasSubstr("channel a1: the sample at 15 s, "),
-                                HasSubstr("A bad sample?"))));
+                                HasSubstr("Check this sample."))));
   // A load without any response to it, and a temperature.
   signals = Shaken();
   signals[0].values[500] = 100.0;
   EXPECT_THAT(
       FaultsOf(signals),
       ElementsAre(AllOf(HasSubstr("ground x: the sample at 15 s, 100 m/s^2"),
-                        HasSubstr("does not feel"))));
+                        HasSubstr("did not feel"))));
   signals[0].kind = WatchedSignal::Kind::kCovariate;
   EXPECT_THAT(FaultsOf(signals),
               ElementsAre(HasSubstr("ground x: the sample")));

@@ -58,7 +58,7 @@ class CsvRows {
     }
     if (row_began) {
       *error = std::to_string(first_line_) +
-               ": a quoted cell begins here that is never closed";
+               ": a quoted cell begins here and is never closed";
     }
     return false;
   }
@@ -123,9 +123,7 @@ std::string RaggedRowMessage(const CsvRows& rows, size_t expected,
       ", expected " + std::to_string(expected) + " as in the header line";
   if (delimiter == ',' && cells.size() > expected &&
       std::all_of(cells.begin(), cells.end(), IsDigits)) {
-    message +=
-        "; the numbers seem to have decimal commas, write them with a "
-        "decimal point";
+    message += "; the numbers probably have decimal commas. Use decimal points";
   }
   return message;
 }

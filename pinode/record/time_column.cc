@@ -60,7 +60,7 @@ bool SelectRows(const Table& table, int column, const std::string& unit,
     for (int j = 0; j < table.values.cols(); ++j) {
       if (Same(table.values(i, j), table.values(i - 1, j))) continue;
       *error = Where(table, i) + "time " + Time(times[i]) + " " + unit +
-               " occurs a second time with other values (column '" +
+               " occurs again with other values (column '" +
                table.columns[static_cast<size_t>(j)] +
                "': " + Number(table.values(i - 1, j)) + " on line " +
                Line(table, i - 1) + ", " + Number(table.values(i, j)) +
@@ -226,10 +226,10 @@ bool RefuseSparse(const Table& table, double num_samples, size_t num_rows,
       (1.0 + kMostMissingPerRow) * static_cast<double>(num_rows)) {
     return true;
   }
-  *error = table.path + ": the time column leaves gaps for " +
+  *error = table.path + ": the time column has gaps of " +
            Number(num_samples - static_cast<double>(num_rows)) +
            " samples between only " + std::to_string(num_rows) +
-           " rows, expected a record at a constant rate";
+           " rows; use a record at a constant rate";
   return false;
 }
 
@@ -338,8 +338,8 @@ bool FindTimeGrid(const Table& table, const std::string& time_column,
                 : "; worst here, after " +
                       Number(times[worst] - times[worst - 1]) + " " +
                       options.unit) +
-        ". Give the sampling rate instead of the time column if the "
-        "clock is regular, or ask for resampling";
+        ". If the clock is regular, give the sampling rate instead of the time "
+        "column. Otherwise ask for resampling";
     return false;
   }
 

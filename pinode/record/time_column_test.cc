@@ -165,10 +165,10 @@ TEST(TimeColumnTest, RefusesWhatIsNoTime) {
   Table twice = MakeTable({0.0, 0.1, 0.1, 0.2});
   twice.values(2, 1) = 7.0;
   EXPECT_THAT(Refusal(twice),
-              AllOf(StartsWith("r.csv:4: time 0.1 s occurs a second time"),
+              AllOf(StartsWith("r.csv:4: time 0.1 s occurs again"),
                     HasSubstr("column 'a': 0.1 on line 3, 7 here")));
   EXPECT_THAT(Refusal(MakeTable({0.0, 0.01, 0.02, 1e9})),
-              HasSubstr("leaves gaps"));
+              HasSubstr("has gaps"));
 }
 
 TEST(TimeColumnTest, RefusesIrregularAndDriftingClocks) {

@@ -58,7 +58,7 @@ Refused "frame.mat: no matrix 'K9', expected 'variable' with one of" \
   --case=none.toml --output_dir=E
 sed 's/"frame.mat", variable = "M"/"train.csv", variable = "M"/' matrices.toml \
   >csv.toml
-Refused "'train.csv' has one matrix, expected no 'variable'" --case=csv.toml \
+Refused "'train.csv' holds a single matrix; leave out 'variable'" --case=csv.toml \
   --output_dir=E
 sed 's/{file = "frame.mat", variable = "M"}/"frame.mat"/' matrices.toml >which.toml
 Refused "5 matrices, expected 'variable'" --case=which.toml --output_dir=E

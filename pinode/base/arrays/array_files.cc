@@ -15,7 +15,7 @@ namespace pinode {
 namespace {
 
 constexpr char kBrokenMatlabVariable[] =
-    " has fewer data than its size needs: is the file whole?";
+    " has fewer data than its size needs; check that the file is complete";
 
 std::string ExtensionOf(const std::string& path) {
   return LowerCase(std::filesystem::path(path).extension().string());
@@ -67,7 +67,7 @@ class MatlabArrays {
       if (!is_container && !IsFullOfNumbers(*variable)) continue;
       if (!Fits(*variable, 0)) return Fail(name, kBrokenMatlabVariable);
       if ((is_container || wanted_(name)) && !file_.ReadData(variable.get())) {
-        return Fail(name, " cannot be read: is the file whole?");
+        return Fail(name, " cannot be read; check that the file is complete");
       }
       if (!Add(name, variable.get(), 0)) return false;
     }

@@ -58,7 +58,9 @@ class Hdf5Reader {
     std::vector<std::string> names;
     if (H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, &Hdf5Reader::OnObject,
                   &names, H5O_INFO_BASIC) < 0) {
-      *error_ = path_ + ": its groups cannot be listed: is the file whole?";
+      *error_ =
+          path_ +
+          ": its groups cannot be listed; check that the file is complete";
       return false;
     }
     for (const std::string& name : names) {
@@ -78,7 +80,7 @@ class Hdf5Reader {
 
   bool Fail(const std::string& name) {
     *error_ = path_ + ": data set " + Quote(name) +
-              " cannot be read: is the file whole?";
+              " cannot be read; check that the file is complete";
     return false;
   }
 

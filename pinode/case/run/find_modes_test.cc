@@ -91,9 +91,9 @@ TEST_F(FindModesTest, NamesTheLineOfWhatIsAtFault) {
   EXPECT_THAT(Error(order), HasSubstr("case.toml:20: [modes] max_order: record "
                                       "'low': models of order 400"));
   const std::string alone = std::string(kTwoSetups) + "references = [\"u1\"]\n";
-  EXPECT_THAT(Error(alone), HasSubstr("case.toml:20: [modes] references: "
-                                      "reference 'u1' is no channel of record "
-                                      "'high'"));
+  EXPECT_THAT(Error(alone),
+              HasSubstr("case.toml:20: [modes] references: reference 'u1' is "
+                        "not a channel of record 'high'"));
   std::string few = kTwoSetups;
   few.replace(few.find("file = \"high.csv\""), 17,
               "file = \"high.csv\"\nwindow = [0.0, 5.0]");

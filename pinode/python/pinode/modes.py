@@ -331,8 +331,8 @@ def identify_modes(
 
 def _in_python(remark: str) -> str:
     """Returns a remark with keywords in place of keys of a file."""
-    return remark.replace("Set harmonics = true in [modes] to have it in modes.toml.",
-                          "Set harmonics=True to have it in for_case() and modes.toml.")
+    return remark.replace("set harmonics = true in [modes].",
+                          "set harmonics=True; for_case() and modes.toml then have it.")
 
 
 def _refuse_given(why: str, values: Mapping[str, Any]) -> None:

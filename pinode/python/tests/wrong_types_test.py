@@ -166,6 +166,6 @@ def test_folders_that_are_there_speak_of_arguments(tmp_path):
     (tmp_path / "note.txt").write_text("mine")
     for work in (lambda: fitted().identify(output=tmp_path), lambda: fitted().check(output=tmp_path),
                  lambda: shaken().simulate().save(tmp_path)):
-        with pytest.raises(pinode.Error, match="expected a new one, overwrite=True, or") as failure:
+        with pytest.raises(pinode.Error, match="give a new one, overwrite=True, or") as failure:
             work()
         assert "--" not in str(failure.value)

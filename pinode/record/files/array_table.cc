@@ -127,7 +127,7 @@ bool ReadArrayTable(const std::string& path,
   const std::vector<std::string> columns =
       wanted.empty() ? LongestColumns(arrays) : wanted;
   if (columns.empty()) {
-    *error = path + ": holds no array of numbers, expected histories by name";
+    *error = path + ": has no array of numbers, expected named histories";
     return false;
   }
   Table result;

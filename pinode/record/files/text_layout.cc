@@ -61,9 +61,9 @@ class LayoutFinder {
                   "and one line a sample");
     }
     return Fail(0,
-                "no rows of numbers are found. Set `delimiter`, `decimal` and "
-                "`header_lines`, the number of lines above the first row, and "
-                "`time_format` for clock times in a form of their own");
+                "no rows of numbers were found. Set `delimiter`, `decimal` and "
+                "`header_lines` (number of lines above the first row), and "
+                "`time_format` for unusual clock times");
   }
 
   // Keeps one run, or refuses.
@@ -254,16 +254,16 @@ class LayoutFinder {
                           " as in the header line";
     if (run_.delimiter == ',' && n == 2 * header_.odd_cells) {
       message +=
-          "; the numbers seem to have decimal commas, write them with a "
-          "decimal point or another delimiter";
+          "; the numbers probably have decimal commas. Use decimal points or "
+          "another delimiter";
     }
-    return Fail(row.number, message + ". If line " +
-                                std::to_string(lines_[header_.odd].number) +
-                                " does not hold the columns' names, set "
-                                "`header_lines = " +
-                                std::to_string(row.number - 1) +
-                                "`; the columns are then column_1, column_2, "
-                                "...");
+    return Fail(
+        row.number,
+        message + ". If line " + std::to_string(lines_[header_.odd].number) +
+            " does not have the names of the columns, set `header_lines = " +
+            std::to_string(row.number - 1) +
+            "`; the columns are then column_1, column_2, "
+            "...");
   }
 
   void Fill() {

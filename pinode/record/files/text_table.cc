@@ -212,8 +212,8 @@ class TextTableReader {
       }
       if (blank_line_ > 0 && layout_.num_cells == 1 && row > 0) {
         return Fail(blank_line_,
-                    "a blank line between rows of one column may be a missing "
-                    "value; write nan there, or delete the line");
+                    "a blank line between rows of a single column may be a "
+                    "missing value; write nan there, or delete the line");
       }
       if (!ReadRow(line, line_number, row)) {
         if (!reread_) return false;
@@ -250,8 +250,8 @@ class TextTableReader {
         return Fail(line_number,
                     "column '" + ColumnAt(time_).name +
                         "': " + Quote(cells_[static_cast<size_t>(time_)]) +
-                        " is not a time as in the first row; set "
-                        "`time_format`, or give `sampling_rate_hz`");
+                        " is not a time like the first row; set `time_format`, "
+                        "or give `sampling_rate_hz`");
       }
       clock_.push_back(cell);
     }
@@ -325,17 +325,16 @@ class TextTableReader {
     }
     if (ParseClock(cell, &clock)) {
       return Fail(line_number, where + Quote(cell) +
-                                   " is a clock time, expected a number; "
-                                   "clock times are read where `time` names "
-                                   "the column");
+                                   " is a clock time, expected a number; name "
+                                   "this column as `time` to read clock times");
     }
-    return Fail(line_number,
-                where + Quote(cell) + " is not a number" +
-                    (place == time_ ? "; set `time_format`, or give "
-                                      "`sampling_rate_hz`"
-                                    : "; if the form of the file was found "
-                                      "wrongly, set `decimal`, `delimiter` "
-                                      "or `header_lines`"));
+    return Fail(
+        line_number,
+        where + Quote(cell) + " is not a number" +
+            (place == time_ ? "; set `time_format`, or give "
+                              "`sampling_rate_hz`"
+                            : "; if pinode misread the form of the file, set "
+                              "`decimal`, `delimiter` or `header_lines`"));
   }
 
   bool RefuseRagged(int64_t line_number) {
@@ -361,8 +360,8 @@ class TextTableReader {
     if (thousands_ == Thousands::kMayBe && format_.decimal == 0) {
       return Fail(layout_.first_row_line,
                   Quote(thousand_) +
-                      " may be a number with a decimal comma or one with "
-                      "thousands; set `decimal` to \",\" or \".\"");
+                      " may have a decimal comma or a separator of thousands; "
+                      "set `decimal` to \",\" or \".\"");
     }
     return true;
   }
@@ -382,11 +381,11 @@ class TextTableReader {
                   "column '" + ColumnAt(time_).name + "': the time " + what);
     }
     if (MostRepeat(column.seconds)) {
-      return Fail(layout_.first_row_line,
-                  "column '" + ColumnAt(time_).name +
-                      "': most times repeat the one before, the clock is "
-                      "coarser than the rows; give `sampling_rate_hz` in "
-                      "place of `time`");
+      return Fail(
+          layout_.first_row_line,
+          "column '" + ColumnAt(time_).name +
+              "': most times repeat the one before, so the clock is coarser "
+              "than the rows; give `sampling_rate_hz` instead of `time`");
     }
     Vector times = Eigen::Map<const Vector>(
         column.seconds.data(),
@@ -412,7 +411,7 @@ class TextTableReader {
              ? ", fraction from '" + ColumnAt(parts_.fraction).name + "'"
              : "") +
         "; 0 s is " + ClockText(column.origin, column.is_dated) +
-        (range > 0.0 ? "; midnight was passed" : "");
+        (range > 0.0 ? "; the times pass midnight" : "");
     return true;
   }
 
@@ -447,7 +446,7 @@ class TextTableReader {
                       "\"s\" or \"ms\"");
     }
     if (layout_.names_line == 0 && format_.time_unit.empty()) {
-      Say("time '" + ColumnAt(time_).name + "' taken as seconds");
+      Say("time '" + ColumnAt(time_).name + "' read as seconds");
     }
     std::string what;
     if (!ReadTimeNumbers(format_, ColumnAt(time_).unit, column,

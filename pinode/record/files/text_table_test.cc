@@ -234,7 +234,7 @@ TEST(TextTableTest, UnitsOfTheTime) {
   format.time_unit = "s";
   const Table table = ParseText("Time [ms],a\n0,1\n5,2\n", format);
   EXPECT_EQ(table.time_unit, "s");
-  EXPECT_THAT(table.reading, HasSubstr("though the file says ms"));
+  EXPECT_THAT(table.reading, HasSubstr("although the file says ms"));
   EXPECT_THAT(ErrorOf("t [mm],a\n0,1\n5,2\n", WithTime("t [mm]")),
               HasSubstr("`time_unit`"));
 }

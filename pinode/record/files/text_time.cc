@@ -210,16 +210,14 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
   if (unit.empty()) unit = file_unit;
   if (unit.empty()) unit = UnitOfTimeName(name);
   if (!unit.empty() && SecondsOf(unit) == 0.0) {
-    *error = "column '" + name + "' is the time, but its unit is " + unit +
-             "; set `time` to the column of the time, or `time_unit`";
+    *error = "column '" + name + "' is named like the time, but its unit is " +
+             unit + "; set `time` to the column of the time, or `time_unit`";
     return false;
   }
   if (!format.time_unit.empty() && !file_unit.empty() &&
       std::abs(SecondsOf(file_unit) - SecondsOf(format.time_unit)) > 0.0) {
     say("time in " + format.time_unit +
-        " as the case says, though the file "
-        "says " +
-        file_unit);
+        " as in the case, although the file says " + file_unit);
   }
   if (unit.empty() && times.size() > 1) {
     for (const Ticks& ticks : kTicks) {
@@ -239,8 +237,8 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
         continue;
       }
       *error = "column '" + name +
-               "' may be days, as spreadsheets count them, "
-               "or seconds; set `time_unit` to \"day\" or \"s\"";
+               "' may be days (as in spreadsheets) or seconds; set `time_unit` "
+               "to \"day\" or \"s\"";
       return false;
     }
   }
@@ -254,7 +252,7 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
   UnwrapCounter(CounterRanges(SecondsOf(unit)), times, &range);
   if (range > 0.0) {
     say("time '" + name + "' starts anew at " + FormatNumber(range, 15) + " " +
-        unit + " and was continued");
+        unit + " and is continued");
   }
   return true;
 }

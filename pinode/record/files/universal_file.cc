@@ -169,7 +169,7 @@ bool ReadUniversalTable(const std::string& path,
     histories.push_back(&f);
   }
   if (histories.empty()) {
-    *error = path + ": holds no time history (data set 58 of function type 1)";
+    *error = path + ": has no time history (data set 58 of function type 1)";
     return false;
   }
   const std::vector<std::string>& columns = wanted.empty() ? names : wanted;
@@ -199,8 +199,8 @@ bool ReadUniversalTable(const std::string& path,
       has_several_clocks = true;
     } else {
       *error = path + ": '" + name +
-               "' has other times than the histories before it, expected "
-               "records of one rate, or a file each";
+               "' has other times than the histories before it; use records of "
+               "one rate, or one file each";
       return false;
     }
   }

@@ -98,8 +98,8 @@ bool ParseSets(const std::string& bytes, UniversalFile* file,
         std::tolower(static_cast<unsigned char>(name.back())) == 'b';
     int type = 0;
     if (!ParseInt(binary ? name.substr(0, name.size() - 1) : name, &type)) {
-      *what =
-          "'" + std::string(StripBlanks(header)) + "' is no type of a data set";
+      *what = "'" + std::string(StripBlanks(header)) +
+              "' is not a type of data set";
       return false;
     }
     file->set_types.push_back(type);

@@ -424,7 +424,7 @@ TEST(UniversalFileTest, OddNumbersAreRefused) {
     EXPECT_FALSE(ParseUniversalFile(
         "    -1\n    15\n" + std::string(label) + " 0 0 1 0. 0. 0.\n    -1\n",
         "x.uff", &file, &error));
-    EXPECT_THAT(error, HasSubstr("is no node")) << label;
+    EXPECT_THAT(error, HasSubstr("is not a node")) << label;
     EXPECT_FALSE(ParseUniversalFile(
         "    -1\n    15\n1 0 " + std::string(label) + " 1 0. 0. 0.\n    -1\n",
         "x.uff", &file, &error));

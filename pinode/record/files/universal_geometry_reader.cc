@@ -85,7 +85,7 @@ bool ParseUniversalNodes(int lines, UniversalLines* in, UniversalFile* file,
         !UniversalInteger(numbers[0], &node.label) ||
         !UniversalInteger(numbers[1], &node.system) ||
         !UniversalInteger(numbers[2], &node.displacement_system)) {
-      *what = "'" + Stripped(text) + "' is no node";
+      *what = "'" + Stripped(text) + "' is not a node";
       return false;
     }
     // An invalid color is ignored, because colors are not used.

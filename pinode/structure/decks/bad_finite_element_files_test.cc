@@ -202,7 +202,8 @@ TEST_F(BadFiniteElementFilesTest, BadBinaryOp4IsRefused) {
   EXPECT_THAT(error_with_byte(11, '\x80'), HasSubstr("rows"));
   EXPECT_THAT(error_with_byte(28, 25), HasSubstr("24 was expected as before"));
   // The first column's record: length, column, 0, words, string header.
-  EXPECT_THAT(error_with_byte(35, 0x7f), HasSubstr("is the file whole"));
+  EXPECT_THAT(error_with_byte(35, 0x7f),
+              HasSubstr("check that the file is complete"));
   EXPECT_THAT(error_with_byte(44, 100), HasSubstr("at most 5 words"));
   EXPECT_THAT(error_with_byte(48, 9), HasSubstr("from row 9"));
   EXPECT_THAT(error_with_byte(50, 100), HasSubstr("header of a string"));
@@ -236,9 +237,9 @@ TEST_F(BadFiniteElementFilesTest, BadLongBinaryOp4IsRefused) {
   EXPECT_THAT(error_with_byte(long_marker, 63, 1),
               HasSubstr("48 was expected as before"));
   EXPECT_THAT(error_with_byte(long_marker, 71, 0x7f),
-              HasSubstr("is the file whole"));
+              HasSubstr("check that the file is complete"));
   EXPECT_THAT(error_with_byte(long_marker, 71, '\x80'),
-              HasSubstr("is the file whole"));
+              HasSubstr("check that the file is complete"));
 }
 
 TEST_F(BadFiniteElementFilesTest, BadNpzIsRefused) {

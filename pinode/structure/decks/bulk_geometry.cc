@@ -255,7 +255,7 @@ class BulkReader {
         if (place == index_.end()) {
           return lines_.FailAt(element_lines_[e],
                                "an element has node " + std::to_string(node) +
-                                   ", which no GRID gives a place",
+                                   ", which has no GRID",
                                error_);
         }
         node = place->second;
@@ -265,9 +265,9 @@ class BulkReader {
       geometry_->sets.push_back({"PID " + property, std::move(elements)});
     }
     for (const auto& [name, count] : unknown_) {
-      geometry_->notes.push_back(std::to_string(count) + " cards " + name +
-                                 " are left out of the pictures, which do not "
-                                 "know them.");
+      geometry_->notes.push_back(
+          std::to_string(count) + " cards " + name +
+          " are not drawn, because the pictures do not know them.");
     }
     return true;
   }

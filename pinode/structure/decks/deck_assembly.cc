@@ -62,7 +62,7 @@ bool DeckAssembly::Read(const std::string& path, const std::string& content,
   for (const auto& [type, count] : parts_.unknown_types) {
     geometry_.notes.push_back(
         std::to_string(count) + " elements of type " + type +
-        " are left out of the pictures, which do not know it.");
+        " are not drawn, because the pictures do not know it.");
   }
   return true;
 }
@@ -191,7 +191,7 @@ bool DeckAssembly::AddElements(const std::string& path, std::string* error) {
           if (place < 0) {
             *error = path + ": element " + std::to_string(number) +
                      " has node " + std::to_string(node.number) +
-                     ", which no *NODE gives a place";
+                     ", which has no *NODE";
             return false;
           }
           element.nodes.push_back(place);
@@ -463,7 +463,7 @@ std::string DeckAssembly::WhyNoSet(const std::string& name) const {
     if (names.size() == kMostNamed) break;
     names.push_back("'" + full + "'");
   }
-  return "several sets are called so, expected one of " + Join(names, ", ") +
+  return "several sets have this name, expected one of " + Join(names, ", ") +
          (names.size() < several->second.size() ? ", ..." : "");
 }
 

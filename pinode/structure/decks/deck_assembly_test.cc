@@ -152,7 +152,7 @@ TEST(DeckAssemblyTest, NamesOfSeveralSetsAreRefused) {
   std::vector<double> moduli;
   const std::string other = "*Elset, elset=Low, instance=Column-1\n2\n";
   EXPECT_THAT(Scaled(Column(kOne + other), "Low", &moduli),
-              HasSubstr("several sets are called so, expected one of "
+              HasSubstr("several sets have this name, expected one of "
                         "'Column-1.Low', 'ASSEMBLY.Low'"));
   EXPECT_EQ(GeometryOrFail(Column(kOne + other)).SetIndex("Low"), -1);
   EXPECT_EQ(Scaled(Column(kOne + other), "ASSEMBLY.Low", &moduli), "");

@@ -73,12 +73,11 @@ class MaterialScaling {
     if (!material.unknown_uses.empty() &&
         (kinds.size() > 1 || kinds.count({1.0, 1.0}) == 0)) {
       const DeckBlock& user = blocks_[material.unknown_uses[0]];
-      return FailInDeckBlock(user,
-                             user.keyword.name + " uses material '" +
-                                 material.name +
-                                 "', which is to be changed, expected "
-                                 "sections alone",
-                             error_);
+      return FailInDeckBlock(
+          user,
+          user.keyword.name + " uses material '" + material.name +
+              "', which is to be changed; only sections may use it",
+          error_);
     }
     // Composites and general sections need it unchanged.
     if (!material.sections.empty()) kinds[{1.0, 1.0}];
@@ -121,8 +120,8 @@ class MaterialScaling {
     return FailInDeckBlock(
         block,
         block.keyword.name +
-            " behind a material that several sections share, expected one of "
-            "their own for the sets that differ",
+            " after a material that several sections share; give the sets that "
+            "differ a material of their own",
         error_);
   }
 

@@ -31,8 +31,8 @@ bool ModuliOf(const DeckBlock& block, std::vector<std::vector<size_t>>* by_line,
     *by_line = {{0}};
   } else if (block.keyword.Find("DEPENDENCIES") != nullptr) {
     return FailInDeckBlock(block,
-                           "*ELASTIC with DEPENDENCIES, expected constants of "
-                           "temperature alone",
+                           "*ELASTIC with DEPENDENCIES, expected constants "
+                           "that depend on temperature only",
                            error);
   } else if (type == "ENGINEERINGCONSTANTS") {
     *by_line = {{0, 1, 2, 6, 7}, {0}};

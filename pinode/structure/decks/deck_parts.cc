@@ -69,8 +69,8 @@ class DeckReader {
     if (line[0] != '*' && section_ == Section::kHeading) return true;
     return FirstInvalidUtf8(std::string(line)) == std::string::npos ||
            lines.Fail(
-               "the line is not valid UTF-8, expected other encodings in "
-               "comments and the heading alone",
+               "the line is not valid UTF-8, expected other encodings only in "
+               "comments and the heading",
                error_);
   }
 
@@ -191,7 +191,7 @@ class DeckReader {
     if (known >= 0) {
       return lines.FailAt(number,
                           what + " " + Quote(*name) +
-                              " is there twice, expected different names",
+                              " is given twice, expected different names",
                           error_);
     }
     if (is_part) {

@@ -91,7 +91,7 @@ class FactorsOfSets {
   bool FailForKept(size_t b, const std::string& what) {
     const DeckBlock& block = deck_->blocks[b];
     return Fail(what + " has " + block.keyword.name + " (" + block.place +
-                "), whose part would stay as it is, expected none");
+                "), which would not change; leave it out of the set");
   }
 
   bool Fail(const std::string& why) {
@@ -143,7 +143,7 @@ bool ScaleDeck(const std::string& path, const std::string& content,
   const std::vector<std::string>& notes = deck.assembly.geometry().notes;
   if (!notes.empty()) {
     *error = path + ": " + notes.front() +
-             " Expected types that are known, where a deck is to be updated";
+             " An updated deck needs known types of elements";
     return false;
   }
   FactorsOfSets assigned(&deck, error);

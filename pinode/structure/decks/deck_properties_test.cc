@@ -209,7 +209,7 @@ TEST(DeckPropertiesTest, RefusesWhatItWouldGetWrong) {
               HasSubstr("'two', expected a number"));
   EXPECT_THAT(
       ScalingErrorOf({{"low", false, 2.0}}, with("*DAMPING", "*HOURGLASS")),
-      HasSubstr("*HOURGLASS behind a material"));
+      HasSubstr("*HOURGLASS after a material"));
   EXPECT_THAT(
       ScalingErrorOf({{"deck", false, 2.0}}, with("*BEAM SECTION,ELSET=deck,",
                                                   "*BEAM GENERAL SECTION,")),
@@ -473,7 +473,7 @@ TEST(DeckPropertiesTest, UnknownKeywordsEndNoMaterial) {
                   .mass,
               ElementsAre(15700.0));
   EXPECT_THAT(ScalingErrorOf({{"low", true, 2.0}}, without_twin),
-              HasSubstr("*DENSITY behind a material"));
+              HasSubstr("*DENSITY after a material"));
 }
 
 TEST(DeckPropertiesTest, WhatSectionsHaveOfTheirOwnIsRefused) {

@@ -140,8 +140,8 @@ class ModelReader {
     if (extension == ".op4" || extension == ".mat" || extension == ".npz") {
       if (WithoutGz(path) != path) {
         return Fail(path,
-                    "of compressed files only text (.mtx, .sti, .mas, .csv) is "
-                    "read, and it was expected unpacked");
+                    "this compressed file is not text (.mtx, .sti, .mas, "
+                    ".csv); unpack it");
       }
       return LoadFromContainer(role, extension, &loaded);
     }
@@ -174,9 +174,8 @@ class ModelReader {
     }
     if (extension == ".mtx") return LoadMtx(path, &loaded);
     return Fail(path,
-                "a file of a matrix ends in .mtx (Matrix Market, Abaqus), "
-                ".sti or .mas (CalculiX), .op4, .mat, .npz or .csv, and one "
-                "of these was expected");
+                "unknown kind of matrix file, expected .mtx (Matrix Market, "
+                "Abaqus), .sti or .mas (CalculiX), .op4, .mat, .npz or .csv");
   }
 
   bool LoadMtx(const std::string& path, LoadedMatrix* loaded) {

@@ -52,7 +52,8 @@ bool FullEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
   const size_t size = MatlabTypeSize(variable.data_type);
   if (variable.data == nullptr || size == 0 ||
       variable.nbytes < rows * columns * size) {
-    *what = "has fewer data than its size needs: is the file whole?";
+    *what =
+        "has fewer data than its size needs; check that the file is complete";
     return false;
   }
   for (size_t j = 0; j < columns; ++j) {
@@ -72,7 +73,9 @@ bool SparseEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
   const size_t columns = variable.dims[1];
   if (sparse == nullptr || sparse->jc == nullptr ||
       sparse->njc != columns + 1 || MatlabTypeSize(variable.data_type) == 0) {
-    *what = "has no column pointers that fit its size: is the file whole?";
+    *what =
+        "has no column pointers that fit its size; check that the file is "
+        "complete";
     return false;
   }
   const size_t available = std::min<size_t>(sparse->nir, sparse->ndata);
@@ -220,7 +223,7 @@ bool CheckSize(const matvar_t& variable, size_t file_size, std::string* what) {
   }
   if (!sparse && rows * columns > kLargestMatlabExpansion * file_size) {
     *what = "is " + std::to_string(rows) + " x " + std::to_string(columns) +
-            ", more than the file can hold: is it whole?";
+            ", more than the file can hold; check that it is complete";
     return false;
   }
   return true;
@@ -254,7 +257,7 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
       continue;
     }
     if (good && !file.ReadData(variable.get())) {
-      what = "cannot be read: is the file whole?";
+      what = "cannot be read; check that the file is complete";
       good = false;
     }
     if (good) {

@@ -51,8 +51,8 @@ bool ReadBanner(LineReader* lines, MatrixMarketHeader* header,
   const std::string& field = words[3];
   if (field == "pattern") {
     return lines->Fail(
-        "the field is 'pattern', which says where entries are but not what "
-        "they are, and real or integer was expected",
+        "the field is 'pattern', which has no values, and real or integer was "
+        "expected",
         error);
   }
   if (field == "complex") {

@@ -23,8 +23,8 @@ bool ReadOp4Content(const std::string& path, const std::string& content,
   const size_t bad = FirstInvalidUtf8(content);
   if (bad != std::string::npos) {
     *error = path + ": byte " + std::to_string(bad) +
-             " is no text and the file begins with no record of 24 or 48 "
-             "bytes, and an OP4 file was expected, ASCII or binary";
+             " is not text, and the file does not begin with a record of 24 or "
+             "48 bytes; expected an OP4 file, ASCII or binary";
     return false;
   }
   if (!ReadOp4Ascii(path, content, &result, error)) return false;

@@ -91,7 +91,7 @@ class Op4BinaryReader {
       *what = "a record of " + std::to_string(length) +
               " bytes begins at byte " + std::to_string(position_) +
               ", and at most " + std::to_string(left - 2 * marker_) +
-              " were expected: is the file whole?";
+              " were expected; check that the file is complete";
       return false;
     }
     const auto size = static_cast<size_t>(length);
@@ -111,7 +111,7 @@ class Op4BinaryReader {
   bool ReadHeader(const Bytes& record, Op4Matrix* matrix, std::string* what) {
     if (record.size() != 6 * word_) {
       *what = "a record of " + std::to_string(record.size()) +
-              " bytes stands where the header of a matrix was expected, " +
+              " bytes is in the place of the header of a matrix, expected " +
               std::to_string(6 * word_) + " bytes";
       return false;
     }

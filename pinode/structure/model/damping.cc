@@ -99,12 +99,10 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
   Vector modal_damping(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (std::isnan(modes.frequency_hz[i])) {
-      *error =
-          "the stiffness matrix is not positive semidefinite: mode " +
-          std::to_string(i + 1) +
-          " has negative stiffness and so no frequency to which a ratio of "
-          "modal damping could refer; check its entries, or give the damping "
-          "matrix where such a stiffness is meant";
+      *error = "the stiffness matrix is not positive semidefinite: mode " +
+               std::to_string(i + 1) +
+               " has a negative stiffness, so it has no frequency for modal "
+               "damping; check its entries, or give a damping matrix";
       return false;
     }
     modal_damping[i] = 2.0 * ratios[std::min(i, ratios.size() - 1)] * kTwoPi *

@@ -81,8 +81,8 @@ bool CheckMatrix(const std::string& name, const SparseMatrix& matrix,
           *error = name + " is not symmetric: " + EntryName("", names, i, j) +
                    " is " + FormatNumber(a) + " and " +
                    EntryName("", names, j, i) + " is " + FormatNumber(b) +
-                   "; export it symmetric, or take (A + A') / 2 if that is "
-                   "what it means";
+                   "; export a symmetric matrix, or use (A + A') / 2 if it "
+                   "means this";
           return false;
         }
       }

@@ -328,7 +328,7 @@ TEST(LoadSpectra, EvidenceSeesWhatChanceMightHaveMade) {
   EXPECT_FALSE(summary.ambient.at(0).evidence.PromisesMore());
   ASSERT_EQ(summary.remarks.size(), 1u);
   EXPECT_THAT(summary.remarks[0], HasSubstr("chose more knots"));
-  EXPECT_THAT(summary.remarks[0], HasSubstr("'wind' 9 in place of 5"));
+  EXPECT_THAT(summary.remarks[0], HasSubstr("'wind' 9 instead of 5"));
   // Somebody who knows says otherwise.
   problem.ambient[0].knots = 5;
   summary = settle();

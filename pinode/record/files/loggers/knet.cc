@@ -139,7 +139,7 @@ bool ParseKnet(const std::string& text, const std::string& path,
   if (!is_ended || header.rate == 0.0 || header.scale == 0.0 ||
       header.direction.empty()) {
     return lines.Fail(
-        "the header of K-NET is not whole, expected the lines from 'Origin "
+        "the header of K-NET is incomplete, expected the lines from 'Origin "
         "Time' to 'Memo.', with rate, direction and scale factor",
         error);
   }

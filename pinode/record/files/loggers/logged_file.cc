@@ -66,8 +66,8 @@ class LoggerClock {
     }
     if (timed != nullptr && untimed != nullptr) {
       *error = path_ + ": channel '" + untimed->name +
-               "' states no sampling step and '" + timed->name +
-               "' does, expected channels of one kind. Leave one of them out";
+               "' has no sampling step but '" + timed->name +
+               "' has one. Leave one of them out";
       return false;
     }
     for (const LoggerChannel* c : channels_) {
@@ -80,8 +80,8 @@ class LoggerClock {
       if (c->is_dated == channels_[0]->is_dated) continue;
       *error = path_ + ": one of the channels '" + c->name + "' and '" +
                channels_[0]->name +
-               "' states no start time, expected channels of one clock. "
-               "Leave one of them out";
+               "' has no start time, expected channels of one clock. Leave one "
+               "of them out";
       return false;
     }
     return timed != nullptr ? FindTimed(error) : FindUntimed(error);
@@ -161,8 +161,7 @@ class LoggerClock {
     }
     if (!(end > start_)) {
       *error = path_ +
-               ": the channels have no time in common, expected records of "
-               "one time. Leave some of them out";
+               ": the channels have no time in common. Leave some of them out";
       return false;
     }
     size_ = std::numeric_limits<Eigen::Index>::max();
@@ -225,7 +224,8 @@ class LoggerClock {
       return false;
     }
     remarks->push_back("'" + c.name + "' has a reading every " +
-                       FormatNumber(c.step, 6) + " s, missing in between");
+                       FormatNumber(c.step, 6) +
+                       " s; the samples between are missing");
     return true;
   }
 
@@ -284,7 +284,7 @@ bool FindLoggerChannels(const LoggedFile& file, const std::string& path,
     if (c.fault.empty() && c.size >= 2 && c.step > 0.0) channels->push_back(&c);
   }
   if (!channels->empty()) return true;
-  *error = path + ": holds no channel of numbers (" + file.format +
+  *error = path + ": has no channel of numbers (" + file.format +
            "), expected time histories";
   return false;
 }
@@ -304,7 +304,7 @@ std::string LoggerReading(const LoggedFile& file, const LoggerClock& clock,
   if (clock.seconds_cut() > 0.5 * clock.step()) {
     parts.push_back("channels start or end up to " +
                     FormatNumber(clock.seconds_cut(), 4) +
-                    " s apart, the common part is used");
+                    " s apart; the common part is used");
   }
   return Join(parts, "; ") + ".";
 }
@@ -406,8 +406,8 @@ bool MakeLoggerTable(const LoggedFile& file, const std::string& path,
       result.units.emplace_back("s");
     } else {
       *error = path + ": channel '" + channels[0]->name +
-               "' states no sampling step. Give `sampling_rate_hz`, or as "
-               "`time` the channel that holds the times";
+               "' has no sampling step. Give `sampling_rate_hz`, or name the "
+               "channel of the times as `time`";
       return false;
     }
     result.values.col(static_cast<Eigen::Index>(i)) = values;

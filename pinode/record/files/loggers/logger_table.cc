@@ -126,7 +126,7 @@ bool ParseLoggedFile(const std::string& bytes, const std::string& path,
     case LoggerFormat::kNone:
       break;
   }
-  *error = path + ": is no file of a known data logger";
+  *error = path + ": is not a file of a known data logger";
   return false;
 }
 

@@ -165,7 +165,7 @@ TEST(LoggerTableTest, TdmsScales) {
                 1e-12);
   }
   EXPECT_THAT(LoggerErrorOf("tdms/scaled.tdms", {"b"}),
-              HasSubstr("its scale 'Table' is not linear or polynomial"));
+              HasSubstr("its scale 'Table' is neither linear nor polynomial"));
 }
 
 TEST(LoggerTableTest, TdmsColumnsWithoutAClock) {
@@ -189,7 +189,7 @@ TEST(LoggerTableTest, TdmsThatWasNotFinished) {
 
 TEST(LoggerTableTest, TdmsOfDaqmxIsRefused) {
   EXPECT_THAT(LoggerErrorOf("tdms/daqmx.tdms"),
-              HasSubstr("export the file again"));
+              HasSubstr("export the file as TDMS or text"));
 }
 
 TEST(LoggerTableTest, SeveralRatesComeToTheLowest) {
@@ -226,9 +226,9 @@ TEST(LoggerTableTest, ClocksThatDoNotFitAreRefused) {
   EXPECT_THAT(LoggerErrorOf(file, {"t", "a", "late"}),
               HasSubstr("lie between those of the others"));
   EXPECT_THAT(LoggerErrorOf(file, {"t", "a", "undated"}),
-              HasSubstr("states no start time"));
+              HasSubstr("has no start time"));
   EXPECT_THAT(LoggerErrorOf(file, {"t", "a", "stepless"}),
-              HasSubstr("states no sampling step"));
+              HasSubstr("has no sampling step"));
   EXPECT_THAT(LoggerErrorOf(file, {"t", "x"}),
               HasSubstr("no channel is called 'x'; known are: t, g/a, g/b"));
 }
@@ -291,7 +291,8 @@ TEST(LoggerTableTest, Sac) {
     ExpectStart(table, kStart);
   }
   EXPECT_THAT(LoggerErrorOf("sac/short.sac"), HasSubstr("ends after 40 of 41"));
-  EXPECT_THAT(LoggerErrorOf("sac/uneven.sac"), HasSubstr("no evenly spaced"));
+  EXPECT_THAT(LoggerErrorOf("sac/uneven.sac"),
+              HasSubstr("not an evenly spaced"));
 }
 
 TEST(LoggerTableTest, LvmInEveryForm) {

@@ -63,8 +63,8 @@ class LvmParser {
     }
     if (file_.channels.empty()) {
       return lines_.Fail(
-          "no segment with its header follows, expected lines from 'Channels' "
-          "to '***End_of_Header***', the names and rows of numbers",
+          "no complete segment follows, expected lines from 'Channels' to "
+          "'***End_of_Header***', the names and rows of numbers",
           error);
     }
     for (size_t i = 0; i < file_.channels.size(); ++i) {
@@ -129,7 +129,7 @@ class LvmParser {
     is_multi_ = columns == "Multi";
     if (decimal_ == ',' && separator_ == ',') {
       return lines_.Fail(
-          "commas separate numbers and their fractions. Export the file again "
+          "commas are both separators and decimal signs. Export the file again "
           "with tabs",
           error);
     }
@@ -296,8 +296,7 @@ class LvmParser {
                 std::vector<SegmentPart>* parts, std::string* error) {
     if (names != names_ || parts->size() != first_.size()) {
       return lines_.Fail(
-          "the channels of this segment are others than before. Split the "
-          "file there",
+          "this segment has other channels than before. Split the file there",
           error);
     }
     for (size_t i = 0; i < parts->size(); ++i) {
@@ -321,9 +320,8 @@ class LvmParser {
             gap < -kLargestSegmentJitter ||
             gap > static_cast<double>(values_[i].size())) {
           return lines_.Fail(
-              "this segment does not go on where the one before it ends, by "
-              "X0 or by date and time. Split the file there, or log all in "
-              "one segment",
+              "by X0 or date and time, this segment does not continue the one "
+              "before. Split the file there, or log all in one segment",
               error);
         }
       }

@@ -141,13 +141,13 @@ class MiniSeedParser {
     }
     std::string why(StripBlanks(*LastMessage()));
     if (FirstInvalidUtf8(why) != std::string::npos) why.clear();
-    return FailAt(position,
-                  (code > 0 ? std::string("the file ends inside it")
-                            : "it cannot be read" +
-                                  (why.empty() ? "" : " (" + why + ")")) +
-                      ", expected whole records of miniSEED 2. Copy the file "
-                      "again",
-                  error);
+    return FailAt(
+        position,
+        (code > 0
+             ? std::string("the file ends inside it")
+             : "it cannot be read" + (why.empty() ? "" : " (" + why + ")")) +
+            ", expected complete records of miniSEED 2. Copy the file again",
+        error);
   }
 
   bool ReadRecords(std::string* error) {
@@ -290,8 +290,7 @@ class MiniSeedParser {
       const double gap = std::round(deviation);
       if (deviation < -kLargestDeviation) {
         *error = path_ + ": records of '" + source->name +
-                 "' overlap, expected each sample once. Remove the records "
-                 "that occur twice";
+                 "' overlap. Remove the records that occur twice";
         return false;
       }
       if (deviation <= kLargestDeviation) {
@@ -302,9 +301,9 @@ class MiniSeedParser {
             missing > total) {
           *error = path_ + ": behind a gap of " +
                    FormatNumber(deviation / source->rate, 6) +
-                   " s the samples of '" + source->name +
-                   "' are not on the clock before it, or most samples are "
-                   "missing. Split the file there";
+                   " s, the samples of '" + source->name +
+                   "' do not continue the clock, or most samples are missing. "
+                   "Split the file there";
           return false;
         }
         values.resize(values.size() +
@@ -346,7 +345,7 @@ class MiniSeedParser {
       file_.remarks.push_back("record times of '" + channel.name +
                               "' are up to " +
                               FormatNumber(jitter * channel.step, 3) +
-                              " s off an even clock, which is used");
+                              " s off an even clock; the even clock is used");
     }
   }
 
@@ -388,7 +387,7 @@ bool CanReadMiniSeed() { return false; }
 bool ParseMiniSeed(const std::string&, const std::string& path,
                    const ChannelFilter&, LoggedFile*, std::string* error) {
   *error = path +
-           ": is miniSEED, and this pinode was built without libmseed 2. "
+           ": is miniSEED, but this pinode was built without libmseed 2. "
            "Convert the file to SAC, or build pinode with libmseed-dev";
   return false;
 }

@@ -106,8 +106,8 @@ bool ParseSac(const std::string& bytes, const std::string& path,
   if (header.Integer(kSacFileType) != kSacTimeSeries ||
       header.Integer(kSacIsEven) != 1) {
     return fail(
-        "is no evenly spaced time series (IFTYPE and LEVEN). In SAC: "
-        "'interpolate', or 'ifft' of a spectrum, then 'write'");
+        "is not an evenly spaced time series (IFTYPE and LEVEN). In SAC use "
+        "'interpolate', or 'ifft' for a spectrum, then 'write'");
   }
   LoggerChannel channel;
   channel.size = header.Integer(kSacCount);

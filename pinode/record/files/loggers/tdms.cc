@@ -71,13 +71,13 @@ class TdmsScales {
             : type == "Polynomial" ? ReadPolynomial(properties, start, &scale)
                                    : false)) {
         *fault = "its scale '" + type +
-                 "' is not linear or polynomial, or is not whole. Export the "
-                 "file again with scaled numbers";
+                 "' is neither linear nor polynomial, or is incomplete. Export "
+                 "the file again with scaled numbers";
         return false;
       }
       if (scale.input != kRawInput &&
           !(scale.input >= 0.0 && scale.input < static_cast<double>(i))) {
-        *fault = "its scale takes the values of one that is not before it";
+        *fault = "its scale refers to a later one";
         return false;
       }
       scales_.push_back(std::move(scale));

@@ -144,8 +144,7 @@ class TdmsStructureReader {
     }
     if (raw > next) {
       return FailAt(begin,
-                    "its numbers begin behind its end. The file is "
-                    "broken");
+                    "its numbers begin after its end. The file is broken");
     }
     if ((flags & kIsDaqmx) != 0) return FailDaqmx();
     if ((flags & kHasMetadata) != 0) {
@@ -166,9 +165,9 @@ class TdmsStructureReader {
 
   bool FailDaqmx() {
     return Fail(
-        "holds raw data of DAQmx, whose scales are not read. Log with "
-        "'TDMS Write' in place of DAQmx's own logging, or export the file "
-        "again (in DIAdem, LabVIEW or Excel) as TDMS or as text");
+        "has raw data of DAQmx, whose scales pinode does not read. Log with "
+        "'TDMS Write' instead, or export the file as TDMS or text (DIAdem, "
+        "LabVIEW, Excel)");
   }
 
   bool ReadMetadata(size_t begin, ByteReader* reader) {
@@ -186,7 +185,7 @@ class TdmsStructureReader {
       if (!ReadProperties(begin, object, reader)) return false;
     }
     return reader->ok() ||
-           FailAt(begin, "its metadata are not whole. The file is broken");
+           FailAt(begin, "its metadata are incomplete. The file is broken");
   }
 
   bool FindObject(std::string_view name, size_t* object) {
@@ -238,8 +237,8 @@ class TdmsStructureReader {
     }
     if (length == kSameAsBefore && !index->is_known) {
       return FailAt(begin,
-                    "an object is 'as before' that was not there before. The "
-                    "file is broken");
+                    "an object refers to an earlier one that does not exist. "
+                    "The file is broken");
     }
     const bool has_data = length != kNoRawData;
     const auto listed = places_.find(object);
