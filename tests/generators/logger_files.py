@@ -110,6 +110,45 @@ def csmip_channel(number, azimuth):
     return text + f"/&  ----------  End of data for channel {number:2d}  ----\n"
 
 
+def csmip_raw_channel(number, azimuth):
+    """Volume 1: g, in fields of nine, 1000 gal being enough to touch."""
+    c = number - 1
+    text = ("Uncorrected Accelerogram Data             Processed: 03/02/24, CGS\n"
+            "Record of Fri Mar  1, 2024 04:00:00.2 PST             (Avol1)\n"
+            "CSMIP Preliminary Processing            (Origin:  To be determined)\n"
+            "89146-L2500-12044.02                 "
+            "Start time:  3/1/24, 12:00:00.25 UTC (GPS)\n"
+            "Station No. 89146   40.941N, 123.633W      Etna\n"
+            "Somewhere                                 CGS\n"
+            f"Chan {number:2d}: {azimuth} Deg\n" + "\n" * 3 +
+            f"No. of Points =  {N}  Record Length =   .400 sec   at 100 "
+            "Samples/sec\nUnits of uncor data are sec and g .\n\n")
+    text += "".join("%5d" * 16 % tuple(range(16)) + "\n" for _ in range(6))
+    text += "%5d" * 4 % (1, 2, 3, 4) + "\n"
+    text += fixed([0.01 * i for i in range(50)], 8, "%10.6f")
+    text += (f" {N:5d} Accelerogram points at 100 pts/sec in units of g"
+             f"{' .' if number == 1 else '. '}      Format: (8f9.6)\n")
+    for i in range(0, N, 8):
+        # Fortran leaves out the zero before the point.
+        text += "".join(("%9.6f" % value).replace(" 0.", "  .").replace(
+            "-0.", " -.") for value in series(c)[i:i + 8]) + "\n"
+    return text + f"/&  ----------  End of data for channel {number:2d}  ----\n"
+
+
+def csmip_film():
+    """Volume 1 of a film recorder: pairs of time and g/10."""
+    text = ("UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 02/08/94\n"
+            "SOME EARTHQUAKE\n"
+            "14403-S3492-94021.02               TRIGGER TIME: 01/17/94, "
+            "12:31:04.1 UTC\nCHAN  1:  90 DEG\n"
+            f"NO. OF POINTS =  {N}  RECORD LENGTH =  .390 SEC\n"
+            "UNITS OF UNCOR ACCEL ARE SEC AND G/10.\n")
+    for i in range(0, N, 5):
+        text += "".join("%7.3f%7.3f" % (0.0101 * k, y(0, k))
+                        for k in range(i, i + 5)) + "\n"
+    return text
+
+
 def cosmos_section(number, kind, word, unit, factor):
     c = number - 1
     text = (f"Corrected {kind}    (Format v01.20 with 13 text lines)\n"
@@ -144,230 +183,21 @@ def cosmos_section(number, kind, word, unit, factor):
 
 def strong_motion_files(folder):
     write(folder, "csmip.v2", csmip_channel(1, 360) + csmip_channel(2, 90))
+    write(folder, "csmip.v1",
+          csmip_raw_channel(1, 360) + csmip_raw_channel(2, 90))
+    write(folder, "film.raw", csmip_film())
+    # Of another centre, which writes the channel in another way.
+    write(folder, "cosmos.v1", "".join(
+        cosmos_section(number, "acceleration", "acceleration", "cm/sec2(04)",
+                       100).replace(f"Sta Chan {number:3d}:270 deg",
+                                    f"Sta Cha: {number:2d}: 270 deg")
+        for number in (2, 3)))
     write(folder, "cosmos.v2c",
           cosmos_section(1, "acceleration", "acceleration", "cm/sec^2(04)",
                          100) +
           cosmos_section(1, "velocity", "velocity", "cm/sec  (05)", 10) +
           cosmos_section(3, "acceleration", "acceleration", "cm/sec^2(04)",
                          100))
-
-
-# --- TDMS --------------------------------------------------------------------
-
-INT16, INT32, UINT32, FLOAT, DOUBLE = 2, 3, 7, 9, 10
-STRING, TIMESTAMP = 0x20, 0x44
-SIZES = {INT16: ("h", 2), INT32: ("i", 4), FLOAT: ("f", 4), DOUBLE: ("d", 8)}
-METADATA, NEW_LIST, RAW, INTERLEAVED, BIG, DAQMX = 2, 4, 8, 32, 64, 128
-
-
-class Time:
-    def __init__(self, seconds, fraction):
-        self.seconds, self.fraction = seconds, fraction
-
-
-class Tdms:
-    """Packs segments. Index: (type, count), "same", or None without data."""
-
-    def __init__(self, big=False):
-        self.big = big
-        self.bytes = b""
-
-    def pack(self, form, *values):
-        return struct.pack((">" if self.big else "<") + form, *values)
-
-    def string(self, text):
-        data = text.encode("utf-8")
-        return self.pack("I", len(data)) + data
-
-    def time(self, seconds, fraction):
-        # 1904 to 1970.
-        whole, part = seconds + 2082844800, int(fraction * 2**64)
-        return (self.pack("qQ", whole, part) if self.big
-                else self.pack("Qq", part, whole))
-
-    def property(self, name, value):
-        head = self.string(name)
-        if isinstance(value, str):
-            return head + self.pack("I", STRING) + self.string(value)
-        if isinstance(value, Time):
-            return (head + self.pack("I", TIMESTAMP) +
-                    self.time(value.seconds, value.fraction))
-        if isinstance(value, int):
-            return head + self.pack("II", UINT32, value)
-        return head + self.pack("Id", DOUBLE, value)
-
-    def object(self, path, index=None, properties=()):
-        data = self.string(path)
-        if index is None:
-            data += self.pack("I", 0xFFFFFFFF)
-        elif index == "same":
-            data += self.pack("I", 0)
-        elif index == "daqmx":
-            data += self.pack("I", 0x1269)
-        elif index[0] == STRING:
-            data += self.pack("IIIQQ", 28, STRING, 1, index[1], index[2])
-        else:
-            data += self.pack("IIIQ", 20, index[0], 1, index[1])
-        data += self.pack("I", len(properties))
-        for name, value in properties:
-            data += self.property(name, value)
-        return data
-
-    def segment(self, flags, objects=(), raw=b"", unfinished=False):
-        if self.big:
-            flags |= BIG
-        metadata = b""
-        if flags & METADATA:
-            metadata = self.pack("I", len(objects)) + b"".join(objects)
-        size = len(metadata) + len(raw)
-        self.bytes += b"TDSm" + struct.pack("<I", flags) + self.pack(
-            "IQQ", 4713, 2**64 - 1 if unfinished else size, len(metadata))
-        self.bytes += metadata + raw
-
-    def numbers(self, kind, values):
-        return self.pack(f"{len(values)}{SIZES[kind][0]}", *values)
-
-
-def wave(step=0.01, unit="m/s^2", offset=0.0, start=True, fraction=0.25):
-    properties = [("wf_increment", step), ("wf_start_offset", offset),
-                  ("wf_samples", 1), ("unit_string", unit)]
-    if start:
-        properties.append(("wf_start_time", Time(UNIX, fraction)))
-    return properties
-
-
-def tdms_basic():
-    """Two channels in chunks of 5, two chunks a segment; the second segment
-    without metadata, the third with new values of one property."""
-    f = Tdms()
-    raw = [b"".join(f.numbers(DOUBLE, series(0, 5, first)) +
-                    f.numbers(FLOAT, series(1, 5, first))
-                    for first in (begin, begin + 5))
-           for begin in (0, 10, 20, 30)]
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/", None, [("name", "Messung Brücke")]),
-        f.object("/'acc'"),
-        f.object("/'acc'/'a1'", (DOUBLE, 5), wave()),
-        f.object("/'acc'/'it''s a2'", (FLOAT, 5), wave(unit="mg"))], raw[0])
-    f.segment(RAW, (), raw[1])
-    f.segment(METADATA | RAW, [f.object("/'acc'/'a1'", "same",
-                                        [("note", "x")])], raw[2])
-    f.segment(RAW, (), raw[3])
-    return f.bytes
-
-
-def tdms_interleaved():
-    f = Tdms(big=True)
-    rows = b"".join(f.numbers(FLOAT, [y(0, k)]) + f.numbers(INT32, [k]) +
-                    f.numbers(DOUBLE, [y(2, k)]) for k in range(N))
-    f.segment(METADATA | NEW_LIST | RAW | INTERLEAVED, [
-        f.object("/'g'/'a'", (FLOAT, N // 2), wave()),
-        f.object("/'g'/'count'", (INT32, N // 2), wave(unit="")),
-        f.object("/'g'/'b'", (DOUBLE, N // 2), wave(unit="g"))], rows)
-    return f.bytes
-
-
-def tdms_lists():
-    """Channels that come and go: a and b; b alone; a new list of b and c."""
-    f = Tdms()
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/'g'/'a'", (DOUBLE, 10), wave()),
-        f.object("/'g'/'b'", (DOUBLE, 10), wave())],
-        f.numbers(DOUBLE, series(0, 10)) + f.numbers(DOUBLE, series(1, 10)))
-    f.segment(METADATA | RAW, [f.object("/'g'/'a'")],
-              f.numbers(DOUBLE, series(1, 10, 10)))
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/'g'/'c'", (DOUBLE, 20), wave()),
-        f.object("/'g'/'b'", (DOUBLE, 20))],
-        f.numbers(DOUBLE, series(2, 20)) + f.numbers(DOUBLE, series(1, 20, 20)))
-    return f.bytes
-
-
-def tdms_scaled():
-    """raw = round(1000 y) and counts = raw / 2 in volts, 10 y = 0.02 counts."""
-    f = Tdms()
-    raw = [round(1000 * value) for value in series(0)]
-    linear = [("NI_Scaling_Status", "unscaled"), ("NI_Number_Of_Scales", 2),
-              ("NI_Scale[0]_Scale_Type", "Linear"),
-              ("NI_Scale[0]_Linear_Slope", 0.5),
-              ("NI_Scale[0]_Linear_Y_Intercept", 3.0),
-              ("NI_Scale[0]_Linear_Input_Source", 0xFFFFFFFF),
-              ("NI_Scale[1]_Scale_Type", "Polynomial"),
-              ("NI_Scale[1]_Polynomial_Coefficients_Size", 3),
-              ("NI_Scale[1]_Polynomial_Coefficients[0]", 1.0),
-              ("NI_Scale[1]_Polynomial_Coefficients[1]", 0.02),
-              ("NI_Scale[1]_Polynomial_Coefficients[2]", 1e-6),
-              ("NI_Scale[1]_Polynomial_Input_Source", 0)]
-    table = [("NI_Scaling_Status", "unscaled"), ("NI_Number_Of_Scales", 1),
-             ("NI_Scale[0]_Scale_Type", "Table")]
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/'g'/'a'", (INT16, N), wave() + linear),
-        f.object("/'g'/'b'", (INT16, N), wave() + table)],
-        2 * f.numbers(INT16, raw))
-    return f.bytes
-
-
-def tdms_rates():
-    """a at 100 Hz from 0.25 s; b at 200 Hz from 0.27 s; T at 5 Hz from 0.27 s;
-    late at 100 Hz from 0.253 s, between the samples of a."""
-    f = Tdms()
-    # Slow enough for the lowest rate: 2 sin(2 pi 3 t) of time t from 0.25 s.
-    b = [2 * math.sin(2 * math.pi * 3 * (0.02 + 0.005 * k)) for k in range(800)]
-    a = [math.sin(2 * math.pi * 3 * 0.01 * k) for k in range(400)]
-    temperature = [20.0 + k for k in range(20)]
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/'g'/'a'", (FLOAT, 400), wave()),
-        f.object("/'g'/'b'", (FLOAT, 800), wave(step=0.005, fraction=0.27)),
-        f.object("/'g'/'T'", (FLOAT, 20), wave(step=0.2, unit="degC",
-                                               fraction=0.27)),
-        f.object("/'g'/'late'", (FLOAT, 40), wave(fraction=0.253)),
-        f.object("/'g'/'undated'", (FLOAT, 40), wave(start=False)),
-        f.object("/'g'/'stepless'", (FLOAT, 40))],
-        f.numbers(FLOAT, a) + f.numbers(FLOAT, b) +
-        f.numbers(FLOAT, temperature) + 3 * f.numbers(FLOAT, series(0)))
-    return f.bytes
-
-
-def tdms_columns():
-    """Channels without a clock of their own, a channel of clock times, text."""
-    f = Tdms()
-    times = b"".join(f.time(UNIX, 0.25 + 0.01 * k) for k in range(N))
-    text = f.pack("5I", 1, 2, 3, 4, 5) + b"abcde"
-    f.segment(METADATA | NEW_LIST | RAW, [
-        f.object("/'g'/'Time'", (TIMESTAMP, N)),
-        f.object("/'g'/'a'", (DOUBLE, N), [("unit_string", "g")]),
-        f.object("/'g'/'note'", (STRING, 5, len(text)))],
-        times + f.numbers(DOUBLE, series(0)) + text)
-    return f.bytes
-
-
-def tdms_unfinished():
-    f = Tdms()
-    f.segment(METADATA | NEW_LIST | RAW,
-              [f.object("/'g'/'a'", (DOUBLE, 10), wave()),
-               f.object("/'g'/'b'", (DOUBLE, 10), wave())],
-              b"".join(f.numbers(DOUBLE, series(c, 10, first))
-                       for first in (0, 10, 20) for c in (0, 1)) +
-              f.numbers(DOUBLE, series(0, 10, 30)) +
-              f.numbers(DOUBLE, series(1, 4, 30)) + b"\0\0\0",
-              unfinished=True)
-    return f.bytes
-
-
-def tdms_daqmx():
-    f = Tdms()
-    f.segment(METADATA | NEW_LIST | RAW | DAQMX,
-              [f.object("/'g'/'a'", "daqmx")], b"\0" * 16)
-    return f.bytes
-
-
-def tdms_files(folder):
-    for name, content in [
-            ("basic", tdms_basic()), ("interleaved", tdms_interleaved()),
-            ("lists", tdms_lists()), ("scaled", tdms_scaled()),
-            ("columns", tdms_columns()), ("unfinished", tdms_unfinished()),
-            ("daqmx", tdms_daqmx()), ("rates", tdms_rates())]:
-        write(folder, name + ".tdms", content)
 
 
 # --- miniSEED ----------------------------------------------------------------
@@ -574,7 +404,6 @@ def main():
     root = sys.argv[1]
     knet_files(os.path.join(root, "knet"))
     strong_motion_files(os.path.join(root, "strong_motion"))
-    tdms_files(os.path.join(root, "tdms"))
     mseed_files(os.path.join(root, "mini_seed"))
     sac_files(os.path.join(root, "sac"))
     lvm_files(os.path.join(root, "lvm"))

@@ -1,5 +1,5 @@
-// The files are those of tests/generators/logger_files.py, which does not know
-// the readers: y(c, k) = (c + 1) sin(0.5 k + c) at 100 Hz.
+// The files are those of tests/generators/logger_files.py and tdms_files.py,
+// which do not know the readers: y(c, k) = (c + 1) sin(0.5 k + c) at 100 Hz.
 
 #include "pinode/record/files/loggers/logger_table.h"
 
@@ -112,6 +112,23 @@ TEST(LoggerTableTest, CsmipVolumeTwo) {
   }
 }
 
+TEST(LoggerTableTest, CsmipVolumeOne) {
+  const Table table = ReadSample("strong_motion/csmip.v1");
+  EXPECT_THAT(table.columns, ElementsAre("t", "ch1_acc", "ch2_acc"));
+  EXPECT_THAT(table.units, ElementsAre("s", "g", "g"));
+  ExpectSeries(table, {0, 1}, 1.0, 0.6e-6);
+  ExpectStart(table, kStart);
+  EXPECT_THAT(LoggerErrorOf("strong_motion/film.raw"),
+              HasSubstr("Ask the data centre for Volume 2"));
+}
+
+TEST(LoggerTableTest, CosmosOfAnotherCentre) {
+  const Table table = ReadSample("strong_motion/cosmos.v1");
+  EXPECT_THAT(table.columns, ElementsAre("t", "ch2_acc", "ch3_acc"));
+  EXPECT_THAT(table.units, ElementsAre("s", "cm/s^2", "cm/s^2"));
+  ExpectSeries(table, {1, 2}, 100.0, 0.6e-5);
+}
+
 TEST(LoggerTableTest, CosmosTakesTheIntervalOfTheVolume) {
   const Table table = ReadSample("strong_motion/cosmos.v2c");
   EXPECT_THAT(table.columns, ElementsAre("t", "ch1_acc", "ch3_acc"));
@@ -165,7 +182,7 @@ TEST(LoggerTableTest, TdmsScales) {
                 1e-12);
   }
   EXPECT_THAT(LoggerErrorOf("tdms/scaled.tdms", {"b"}),
-              HasSubstr("its scale 'Table' is neither linear nor polynomial"));
+              HasSubstr("its scale 'RTD' is not linear, polynomial"));
 }
 
 TEST(LoggerTableTest, TdmsColumnsWithoutAClock) {
@@ -187,9 +204,54 @@ TEST(LoggerTableTest, TdmsThatWasNotFinished) {
   EXPECT_THAT(b.reading, HasSubstr("the last segment is not finished"));
 }
 
-TEST(LoggerTableTest, TdmsOfDaqmxIsRefused) {
-  EXPECT_THAT(LoggerErrorOf("tdms/daqmx.tdms"),
-              HasSubstr("export the file as TDMS or text"));
+TEST(LoggerTableTest, DaqmxCountsBecomeValues) {
+  for (const char* name : {"tdms/daqmx.tdms", "tdms/daqmx_big.tdms"}) {
+    const Table fast = ReadSample(name, {"t", "a", "b"});
+    ASSERT_EQ(fast.num_rows(), 40);
+    const Table slow = ReadSample(name, {"t", "c", "counts"});
+    ASSERT_EQ(slow.num_rows(), 20);
+    ExpectStart(fast, kStart);
+    for (int k = 0; k < 40; ++k) {
+      EXPECT_NEAR(fast.values(k, 0) - fast.values(0, 0), 0.01 * k, 1e-12);
+      EXPECT_EQ(fast.values(k, 1), std::round(1024.0 * Y(0, k)) / 1024.0);
+      EXPECT_EQ(fast.values(k, 2), std::round(1048576.0 * Y(1, k)) / 1048576.0);
+    }
+    for (int k = 0; k < 20; ++k) {
+      EXPECT_NEAR(slow.values(k, 0) - slow.values(0, 0), 0.02 * k, 1e-12);
+      // Half a count of the range.
+      EXPECT_NEAR(slow.values(k, 1), Y(2, 2 * k), 4.001 / 65535.0) << k;
+      EXPECT_EQ(slow.values(k, 2), 2 * k - 20);
+    }
+    EXPECT_EQ(fast.reading.find("counts"), std::string::npos);
+    EXPECT_THAT(slow.reading,
+                HasSubstr("'g/counts' holds counts without a scale"));
+  }
+}
+
+TEST(LoggerTableTest, DaqmxSeriesOfOneChannel) {
+  const std::string name = "tdms/daqmx_scalers.tdms";
+  const Table table = ReadSample(name, {"t", "y", "less"});
+  for (int k = 0; k < 40; ++k) {
+    const double counts = std::round(4096.0 * Y(0, k));
+    const double coarse = std::floor(counts / 256.0) / 16.0;
+    EXPECT_EQ(table.values(k, 1), counts / 4096.0);
+    EXPECT_EQ(table.values(k, 2), counts / 4096.0 - 2.0 * coarse);
+  }
+  EXPECT_THAT(LoggerErrorOf(name, {"bare"}),
+              HasSubstr("several series of counts and no scale"));
+}
+
+TEST(LoggerTableTest, DaqmxDigitalLines) {
+  const Table table = ReadSample("tdms/daqmx_digital.tdms");
+  EXPECT_THAT(table.columns, ElementsAre("t", "line1", "line3", "line10"));
+  // The last two rows are not whole.
+  ASSERT_EQ(table.num_rows(), 38);
+  for (int k = 0; k < 38; ++k) {
+    EXPECT_EQ(table.values(k, 1), k & 1);
+    EXPECT_EQ(table.values(k, 2), k >> 1 & 1);
+    EXPECT_EQ(table.values(k, 3), k >> 2 & 1);
+  }
+  EXPECT_THAT(table.reading, HasSubstr("the last segment is not finished"));
 }
 
 TEST(LoggerTableTest, SeveralRatesComeToTheLowest) {
@@ -349,9 +411,9 @@ TEST(LoggerTableTest, LvmThatTheCaseLaysOutIsText) {
 TEST(LoggerTableTest, FilesThatAreCutShort) {
   TemporaryFolder folder;
   for (const char* name :
-       {"knet/knet.EW", "strong_motion/csmip.v2", "strong_motion/cosmos.v2c",
-        "tdms/basic.tdms", "mini_seed/steim.mseed", "sac/big.sac",
-        "lvm/one.lvm"}) {
+       {"knet/knet.EW", "strong_motion/csmip.v2", "strong_motion/csmip.v1",
+        "strong_motion/cosmos.v2c", "tdms/basic.tdms", "tdms/daqmx.tdms",
+        "mini_seed/steim.mseed", "sac/big.sac", "lvm/one.lvm"}) {
     if (name[0] == 'm' && !CanReadMiniSeed()) continue;
     std::string bytes;
     std::string error;

@@ -1,5 +1,6 @@
 #include "pinode/record/files/loggers/strong_motion.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -66,9 +67,9 @@ const MotionQuantity* QuantityBehind(std::string_view line,
   return nullptr;
 }
 
-// Parses "12000 points of accel data equally spaced at .005 sec, in cm/sec2."
-// or "12091 acceleration pts, approx 120 secs, units=cm/s^2". False for other
-// lines.
+// Parses "12000 points of accel data equally spaced at .005 sec, in cm/sec2.",
+// "12000 Accelerogram points at 200 pts/sec in units of g." or "12091
+// acceleration pts, approx 120 secs, units=cm/s^2". False for other lines.
 bool ParseSection(std::string_view original, MotionSection* section) {
   const std::string line = LowerCase(original);
   if (!LeadingCount(line, &section->count)) return false;
@@ -81,6 +82,20 @@ bool ParseSection(std::string_view original, MotionSection* section) {
     section->unit = TextBehind(original, ", in ", "( ");
     while (!section->unit.empty() && section->unit.back() == '.') {
       section->unit.pop_back();
+    }
+  } else if (HasText(line, "accelerogram points at")) {
+    section->quantity = &kQuantities[0];
+    double rate = 0.0;
+    if (!ParseDouble(TextBehind(line, "points at", "p"), &rate) ||
+        !(rate > 0.0)) {
+      return false;
+    }
+    section->step = 1.0 / rate;
+    const std::vector<std::string_view> unit = WordsOf(
+        original.substr(std::min(original.size(), line.find("in units of"))));
+    // "in units of g." or "in units of g ."
+    if (unit.size() > 3) {
+      section->unit = std::string(unit[3].substr(0, unit[3].find('.')));
     }
   } else if (HasText(line, " pts")) {
     section->quantity = QuantityBehind(line.substr(0, line.find(" pts")), "");
@@ -158,12 +173,18 @@ class StrongMotionParser {
         TakeHeader(line, lower);
       }
     }
+    if (file_.channels.empty() && is_of_film_) {
+      *error = path_ +
+               ": is Volume 1 of a film recorder, with values at uneven "
+               "times, which is not read. Ask the data centre for Volume 2";
+      return false;
+    }
     if (file_.channels.empty()) {
       *error = path_ +
                ": no line such as '12000 points of accel data equally spaced "
                "at .005 sec' or '12000 acceleration pts' found, expected "
-               "Volume 2 of CSMIP, or COSMOS 1.20. Ask the data centre for "
-               "Volume 2";
+               "Volume 1 or 2 of CSMIP, or COSMOS 1.20. Ask the data centre "
+               "for Volume 2";
       return false;
     }
     file_.format = is_cosmos_ ? "COSMOS" : "CSMIP";
@@ -176,12 +197,17 @@ class StrongMotionParser {
  private:
   // Takes channel and start time from lines of text.
   void TakeHeader(std::string_view line, const std::string& lower) {
-    const size_t at = lower.find("chan ");
-    if (at != std::string::npos && HasText(lower, ":")) {
+    // "Chan  1: 360 Deg", and "Sta Cha:  1: 340 deg (Rcrdr Chan  1)".
+    for (const std::string_view mark : {"sta cha:", "chan "}) {
+      const size_t at = lower.find(mark);
+      if (at == std::string::npos) continue;
       int64_t number = 0;
-      const std::string text = TextBehind(line.substr(at), " ", ":");
+      const std::string text =
+          TextBehind(line.substr(at + mark.size()), "", ":");
       if (ParseInt(text, &number) && number > 0) channel_ = number;
+      break;
     }
+    is_of_film_ = is_of_film_ || HasText(lower, "uncor accel are sec");
     for (const std::string_view mark : {"start time:", "rcrd start time:"}) {
       const size_t time = lower.find(mark);
       if (time != std::string::npos) {
@@ -253,6 +279,7 @@ class StrongMotionParser {
   StartTime start_;
   Vector real_header_;
   bool is_cosmos_ = false;
+  bool is_of_film_ = false;  // if no section follows
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Reads processed accelerograms in the formats of CSMIP and COSMOS.
+// Reads accelerograms in the formats of CSMIP and COSMOS.
 
 #ifndef PINODE_RECORD_FILES_LOGGERS_STRONG_MOTION_H_
 #define PINODE_RECORD_FILES_LOGGERS_STRONG_MOTION_H_
@@ -9,13 +9,16 @@
 
 namespace pinode {
 
-// Parses a file of strong motions: Volume 2 of CSMIP (acceleration, velocity
-// and displacement of each channel), and COSMOS version 1.20, volumes 1 and 2.
-// Both have text, whole numbers, real numbers, and sections that begin with
+// Parses a file of strong motions: Volume 1 of CSMIP (acceleration that is not
+// corrected), Volume 2 (acceleration, velocity and displacement), and COSMOS
+// version 1.20, volumes 1 and 2. All have text, whole numbers, real numbers,
+// and sections that begin with
 //
 //   12000 points of accel data equally spaced at  .005 sec, in cm/sec2.
-//   (8f10.6) 12091 acceleration pts, approx 120 secs,
-//   units=cm/s^2,Format=(8F10.5)
+//   12000 Accelerogram points at 200 pts/sec in units of g.  Format: (8f9.6)
+//   12091 acceleration pts, approx 120 secs, units=cm/s^2,Format=(8F10.5)
+//
+// Volume 1 of film recorders, which has values at uneven times, is refused.
 //
 // The columns are ch1_acc, ch1_vel, ch1_disp and so on, by the channels'
 // numbers. Velocities and displacements are derived channels. COSMOS states the

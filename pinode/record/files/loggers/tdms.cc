@@ -8,141 +8,18 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/record/files/loggers/tdms_objects.h"
+#include "pinode/record/files/loggers/tdms_scales.h"
 
 namespace pinode {
 namespace {
 
-// Input of a scale that takes the numbers of the file.
-constexpr double kRawInput = 4294967295.0;
-constexpr int kMostScales = 64;
-constexpr int kMostCoefficients = 64;
-
-// TdmsProperties of a channel, and of its group and file where it has none.
-class TdmsProperties {
- public:
-  void Add(const TdmsObject* object) {
-    if (object != nullptr) objects_.push_back(object);
-  }
-  const TdmsProperty* Find(const std::string& name) const {
-    for (const TdmsObject* object : objects_) {
-      const auto found = object->properties.find(name);
-      if (found != object->properties.end()) return &found->second;
-    }
-    return nullptr;
-  }
-  bool Number(const std::string& name, double* number) const {
-    const TdmsProperty* property = Find(name);
-    if (property == nullptr || !property->is_number ||
-        !std::isfinite(property->number)) {
-      return false;
-    }
-    *number = property->number;
-    return true;
-  }
-  std::string Text(const std::string& name) const {
-    const TdmsProperty* property = Find(name);
-    return property == nullptr ? "" : property->text;
-  }
-
- private:
-  std::vector<const TdmsObject*> objects_;
-};
-
-// TdmsScales of unscaled numbers: the last one counts. Each takes the numbers
-// of the file or the values of one before it. All are polynomials here.
-class TdmsScales {
- public:
-  // Returns false with a sentence if a scale cannot be read.
-  bool Read(const TdmsProperties& properties, std::string* fault) {
-    double count = 0.0;
-    if (!properties.Number("NI_Number_Of_Scales", &count) || count < 1.0 ||
-        properties.Text("NI_Scaling_Status") == "scaled") {
-      return true;
-    }
-    if (count > kMostScales) {
-      *fault = "it has more than 64 scales";
-      return false;
-    }
-    for (int i = 0; i < static_cast<int>(count); ++i) {
-      Scale scale;
-      const std::string start = "NI_Scale[" + std::to_string(i) + "]_";
-      const std::string type = properties.Text(start + "Scale_Type");
-      if (!(type == "Linear"       ? ReadLinear(properties, start, &scale)
-            : type == "Polynomial" ? ReadPolynomial(properties, start, &scale)
-                                   : false)) {
-        *fault = "its scale '" + type +
-                 "' is neither linear nor polynomial, or is incomplete. Export "
-                 "the file again with scaled numbers";
-        return false;
-      }
-      if (scale.input != kRawInput &&
-          !(scale.input >= 0.0 && scale.input < static_cast<double>(i))) {
-        *fault = "its scale refers to a later one";
-        return false;
-      }
-      scales_.push_back(std::move(scale));
-    }
-    return true;
-  }
-
-  double Apply(double raw) const {
-    return scales_.empty() ? raw : ApplyUpTo(scales_.size() - 1, raw);
-  }
-  bool empty() const { return scales_.empty(); }
-
- private:
-  struct Scale {
-    double input = kRawInput;
-    std::vector<double> coefficients;
-  };
-
-  static bool ReadLinear(const TdmsProperties& properties,
-                         const std::string& start, Scale* scale) {
-    scale->coefficients.resize(2);
-    properties.Number(start + "Linear_Input_Source", &scale->input);
-    return properties.Number(start + "Linear_Y_Intercept",
-                             &scale->coefficients[0]) &&
-           properties.Number(start + "Linear_Slope", &scale->coefficients[1]);
-  }
-
-  static bool ReadPolynomial(const TdmsProperties& properties,
-                             const std::string& start, Scale* scale) {
-    const std::string name = start + "Polynomial_Coefficients";
-    double size = 4.0;  // what the format assumes
-    properties.Number(name + "_Size", &size);
-    properties.Number(start + "Polynomial_Input_Source", &scale->input);
-    if (!(size >= 1.0 && size <= kMostCoefficients)) return false;
-    scale->coefficients.resize(static_cast<size_t>(size));
-    for (size_t i = 0; i < scale->coefficients.size(); ++i) {
-      if (!properties.Number(name + "[" + std::to_string(i) + "]",
-                             &scale->coefficients[i])) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  // Inputs come before their scales, so that this ends.
-  double ApplyUpTo(size_t place, double raw) const {
-    const Scale& scale = scales_[place];
-    const double input = scale.input == kRawInput
-                             ? raw
-                             : ApplyUpTo(static_cast<size_t>(scale.input), raw);
-    double value = 0.0;
-    for (size_t i = scale.coefficients.size(); i-- > 0;) {
-      value = value * input + scale.coefficients[i];
-    }
-    return value;
-  }
-
-  std::vector<Scale> scales_;
-};
-
 std::string TdmsFault(const TdmsObject& object) {
-  if (object.has_several_types) {
-    return "its numbers change their type within the file. Export it again";
+  for (const TdmsSeries& series : object.series) {
+    if (series.has_several_types) {
+      return "its numbers change their type within the file. Export it again";
+    }
   }
-  switch (object.type) {
+  switch (object.series[0].type) {
     case TdmsType::kString:
       return "it holds text, expected numbers";
     case TdmsType::kComplexFloat:
@@ -155,36 +32,53 @@ std::string TdmsFault(const TdmsObject& object) {
   }
 }
 
-// Reads the numbers of a channel from its places in the file.
-void ReadTdmsValues(const std::string& bytes, const TdmsObject& object,
-                    const TdmsScales& scales, LoggerChannel* channel) {
-  channel->values.resize(channel->size);
+// Reads the first numbers of a series. Clock times are seconds from the first
+// one.
+Vector ReadTdmsSeries(const std::string& bytes, const TdmsSeries& series,
+                      uint64_t count) {
+  Vector values(static_cast<Eigen::Index>(count));
   StartTime first;
   Eigen::Index i = 0;
-  for (const TdmsRun& run : object.runs) {
-    for (uint64_t k = 0; k < run.count; ++k) {
+  for (const TdmsRun& run : series.runs) {
+    for (uint64_t k = 0; k < run.count && i < values.size(); ++k) {
       const char* at =
           bytes.data() + run.position + static_cast<size_t>(k * run.stride);
       double value = 0.0;
-      if (object.type == TdmsType::kTimestamp) {
+      if (series.type == TdmsType::kTimestamp) {
         const StartTime time = TdmsTimeAt(at, run.is_big_endian);
         if (i == 0) first = time;
         value = time.is_known && first.is_known
                     ? static_cast<double>(time.seconds - first.seconds) +
                           (time.fraction - first.fraction)
                     : std::nan("");
+      } else if (series.bit >= 0) {
+        value = (static_cast<unsigned char>(*at) >> series.bit) & 1;
       } else {
-        value = scales.Apply(TdmsNumberAt(object.type, at, run.is_big_endian));
+        value = TdmsNumberAt(series.type, at, run.is_big_endian);
       }
-      channel->values[i++] = std::isfinite(value) ? value : std::nan("");
+      values[i++] = value;
     }
   }
+  return values;
+}
+
+// Reads the values of a channel, scaled.
+void ReadTdmsValues(const std::string& bytes, const TdmsObject& object,
+                    const TdmsScales& scales, LoggerChannel* channel) {
+  TdmsScales::Series series;
+  for (const TdmsSeries& s : object.series) {
+    series[s.scale] = ReadTdmsSeries(bytes, s, object.count());
+  }
+  channel->values = scales.Apply(std::move(series)).unaryExpr([](double value) {
+    return std::isfinite(value) ? value : std::nan("");
+  });
 }
 
 // Makes the channel of an object. Its start time is that of wf_start_time.
 LoggerChannel TdmsChannel(const std::string& bytes, const TdmsObject& object,
                           const TdmsProperties& properties,
-                          const ChannelFilter& wanted, StartTime* start) {
+                          const ChannelFilter& wanted, StartTime* start,
+                          std::vector<std::string>* remarks) {
   LoggerChannel channel;
   channel.name = Join(object.path, "/");
   channel.short_name = object.path.back();
@@ -193,7 +87,7 @@ LoggerChannel TdmsChannel(const std::string& bytes, const TdmsObject& object,
     channel.unit = properties.Text("NI_UnitDescription");
   }
   channel.fault = TdmsFault(object);
-  channel.size = static_cast<Eigen::Index>(object.count);
+  channel.size = static_cast<Eigen::Index>(object.count());
   const auto own = [&object](const std::string& name) {
     const auto found = object.properties.find(name);
     return found == object.properties.end() ? TdmsProperty() : found->second;
@@ -207,11 +101,16 @@ LoggerChannel TdmsChannel(const std::string& bytes, const TdmsObject& object,
   }
   TdmsScales scales;
   std::string fault;
-  if (IsTdmsNumber(object.type) && !scales.Read(properties, &fault)) {
+  if (IsTdmsNumber(object.series[0].type) &&
+      !scales.Read(object, properties, &fault)) {
     channel.fault = fault;
   }
   if (channel.fault.empty() && wanted(channel)) {
     ReadTdmsValues(bytes, object, scales, &channel);
+    const TdmsSeries& series = object.series[0];
+    if (series.is_daqmx && series.bit < 0 && scales.empty()) {
+      remarks->push_back("'" + channel.name + "' holds counts without a scale");
+    }
   }
   return channel;
 }
@@ -239,15 +138,15 @@ bool ParseTdms(const std::string& bytes, const std::string& path,
   result.format = "TDMS";
   std::vector<StartTime> starts;
   for (const TdmsObject& object : structure.objects) {
-    if (object.path.size() != 2 || object.count == 0) continue;
+    if (object.path.size() != 2 || object.count() == 0) continue;
     TdmsProperties properties;
     properties.Add(&object);
     const auto group = groups.find(object.path[0]);
     if (group != groups.end()) properties.Add(group->second);
     properties.Add(root);
     StartTime start;
-    result.channels.push_back(
-        TdmsChannel(bytes, object, properties, wanted, &start));
+    result.channels.push_back(TdmsChannel(bytes, object, properties, wanted,
+                                          &start, &result.remarks));
     starts.push_back(start);
   }
   if (structure.is_unfinished) {

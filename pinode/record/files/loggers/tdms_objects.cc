@@ -8,6 +8,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/record/files/loggers/byte_reader.h"
+#include "pinode/record/files/loggers/tdms_daqmx.h"
 
 namespace pinode {
 namespace {
@@ -20,15 +21,15 @@ constexpr uint32_t kHasNewList = 1U << 2;
 constexpr uint32_t kHasRawData = 1U << 3;
 constexpr uint32_t kIsInterleaved = 1U << 5;
 constexpr uint32_t kIsBigEndian = 1U << 6;
-constexpr uint32_t kIsDaqmx = 1U << 7;
 constexpr size_t kLeadInSize = 28;
 
 // Values of the word before an object's raw data index.
 constexpr uint32_t kNoRawData = 0xFFFFFFFF;
 constexpr uint32_t kSameAsBefore = 0;
 constexpr uint32_t kDaqmxScaler = 0x1269;
-constexpr uint32_t kDaqmxDigital = 0x1369;
-constexpr uint32_t kDaqmxDigitalOld = 0x126A;
+// The second is what the format's description says, the first what is written.
+constexpr uint32_t kDaqmxDigital = 0x126A;
+constexpr uint32_t kDaqmxDigitalAsDescribed = 0x1369;
 
 constexpr uint64_t kMostBytes = std::numeric_limits<int64_t>::max();
 
@@ -80,6 +81,8 @@ struct TdmsRawIndex {
   TdmsType type = TdmsType::kVoid;
   uint64_t count = 0;
   uint64_t bytes = 0;
+  bool is_daqmx = false;
+  DaqmxIndex daqmx;
 };
 
 // An object in the list of a segment.
@@ -146,7 +149,6 @@ class TdmsStructureReader {
       return FailAt(begin,
                     "its numbers begin after its end. The file is broken");
     }
-    if ((flags & kIsDaqmx) != 0) return FailDaqmx();
     if ((flags & kHasMetadata) != 0) {
       ByteReader metadata(
           bytes_.substr(begin + kLeadInSize, static_cast<size_t>(raw)), is_big);
@@ -161,13 +163,6 @@ class TdmsStructureReader {
     }
     *position = begin + kLeadInSize + static_cast<size_t>(next);
     return true;
-  }
-
-  bool FailDaqmx() {
-    return Fail(
-        "has raw data of DAQmx, whose scales pinode does not read. Log with "
-        "'TDMS Write' instead, or export the file as TDMS or text (DIAdem, "
-        "LabVIEW, Excel)");
   }
 
   bool ReadMetadata(size_t begin, ByteReader* reader) {
@@ -205,12 +200,18 @@ class TdmsStructureReader {
 
   bool ReadIndex(size_t begin, size_t object, ByteReader* reader) {
     const uint32_t length = reader->Read<uint32_t>();
-    if (length == kDaqmxScaler || length == kDaqmxDigital ||
-        length == kDaqmxDigitalOld) {
-      return FailDaqmx();
-    }
     TdmsRawIndex* index = &indices_[object];
-    if (length != kNoRawData && length != kSameAsBefore) {
+    const bool is_digital =
+        length == kDaqmxDigital || length == kDaqmxDigitalAsDescribed;
+    if (length == kDaqmxScaler || is_digital) {
+      *index = TdmsRawIndex();
+      const std::string fault =
+          ReadDaqmxIndex(is_digital, reader, &index->daqmx);
+      if (!fault.empty()) return FailAt(begin, fault);
+      index->is_daqmx = true;
+      index->is_known = true;
+    } else if (length != kNoRawData && length != kSameAsBefore) {
+      *index = TdmsRawIndex();
       const uint32_t type = reader->Read<uint32_t>();
       const uint32_t dimension = reader->Read<uint32_t>();
       index->type = static_cast<TdmsType>(type);
@@ -284,15 +285,26 @@ class TdmsStructureReader {
   // Finds the places of the numbers in the chunks of a segment.
   bool PlaceNumbers(size_t begin, size_t raw_begin, uint64_t raw_size,
                     bool is_interleaved, bool is_big) {
+    bool has_daqmx = false;
+    bool has_others = false;
     uint64_t chunk = 0;
     for (const TdmsListed& listed : list_) {
       if (!listed.has_data) continue;
       const TdmsRawIndex& index = indices_[listed.object];
+      (index.is_daqmx ? has_daqmx : has_others) = true;
       if (index.bytes > kMostBytes - chunk) {
         return FailAt(begin,
                       "more numbers than a file can hold. The file is broken");
       }
       chunk += index.bytes;
+    }
+    if (has_daqmx) {
+      if (has_others) {
+        return FailAt(begin,
+                      "DAQmx counts beside other numbers in one segment. "
+                      "Export the file again as text");
+      }
+      return PlaceCounts(begin, raw_begin, raw_size, is_big);
     }
     if (chunk == 0 || raw_size == 0) return true;
     if (is_interleaved) {
@@ -324,8 +336,36 @@ class TdmsStructureReader {
             std::min(index.count,
                      (raw_size - position) / std::max<uint64_t>(run.stride, 1));
         run.is_big_endian = is_big;
-        AddRun(object, run);
+        AddNumbers(object, run);
         position += index.bytes;
+      }
+    }
+    return true;
+  }
+
+  // Does the same for raw data of DAQmx.
+  bool PlaceCounts(size_t begin, size_t raw_begin, uint64_t raw_size,
+                   bool is_big) {
+    std::vector<size_t> objects;
+    std::vector<const DaqmxIndex*> indices;
+    for (const TdmsListed& listed : list_) {
+      if (!listed.has_data) continue;
+      objects.push_back(listed.object);
+      indices.push_back(&indices_[listed.object].daqmx);
+    }
+    std::vector<DaqmxSeries> placed;
+    const std::string fault =
+        PlaceDaqmx(indices, raw_begin, raw_size, structure_->is_unfinished,
+                   is_big, &placed);
+    if (!fault.empty()) return FailAt(begin, fault);
+    for (const DaqmxSeries& series : placed) {
+      TdmsSeries kind;
+      kind.scale = series.scaler.scale;
+      kind.type = series.scaler.type;
+      kind.bit = series.scaler.bit;
+      kind.is_daqmx = true;
+      for (const TdmsRun& run : series.runs) {
+        AddRun(objects[series.channel], kind, run);
       }
     }
     return true;
@@ -358,22 +398,34 @@ class TdmsStructureReader {
       run.stride = row;
       run.count = raw_size / row;
       run.is_big_endian = is_big;
-      AddRun(listed.object, run);
+      AddNumbers(listed.object, run);
       offset += TdmsTypeSize(indices_[listed.object].type);
     }
     return true;
   }
 
-  void AddRun(size_t object, const TdmsRun& run) {
+  void AddNumbers(size_t object, const TdmsRun& run) {
+    TdmsSeries kind;
+    kind.type = indices_[object].type;
+    AddRun(object, kind, run);
+  }
+
+  // Appends a run to the series with the scale of `kind`.
+  void AddRun(size_t object, const TdmsSeries& kind, const TdmsRun& run) {
     if (run.count == 0) return;
-    TdmsObject* o = &structure_->objects[object];
-    const TdmsType type = indices_[object].type;
-    if (!o->runs.empty() && o->type != type) o->has_several_types = true;
-    o->type = type;
-    o->count += run.count;
+    std::vector<TdmsSeries>* all = &structure_->objects[object].series;
+    auto series = std::find_if(
+        all->begin(), all->end(),
+        [&kind](const TdmsSeries& s) { return s.scale == kind.scale; });
+    if (series == all->end()) series = all->insert(series, kind);
+    if (series->type != kind.type || series->bit != kind.bit) {
+      series->has_several_types = true;
+      series->type = kind.type;
+    }
+    series->count += run.count;
     // Chunks of one channel alone follow each other without a gap.
-    if (!o->runs.empty()) {
-      TdmsRun* last = &o->runs.back();
+    if (!series->runs.empty()) {
+      TdmsRun* last = &series->runs.back();
       if (run.stride > 0 && last->stride == run.stride &&
           last->is_big_endian == run.is_big_endian &&
           last->position + last->count * last->stride == run.position) {
@@ -381,7 +433,7 @@ class TdmsStructureReader {
         return;
       }
     }
-    o->runs.push_back(run);
+    series->runs.push_back(run);
   }
 
   const std::string_view bytes_;
@@ -477,6 +529,12 @@ StartTime TdmsTimeAt(const char* bytes, bool is_big_endian) {
   time.fraction = std::ldexp(
       static_cast<double>(NumberAt<uint64_t>(fraction, is_big_endian)), -64);
   return time;
+}
+
+uint64_t TdmsObject::count() const {
+  uint64_t count = series.empty() ? 0 : series[0].count;
+  for (const TdmsSeries& s : series) count = std::min(count, s.count);
+  return count;
 }
 
 bool ReadTdmsStructure(std::string_view bytes, const std::string& path,

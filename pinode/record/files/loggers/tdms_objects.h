@@ -61,14 +61,32 @@ struct TdmsRun {
   bool is_big_endian = false;
 };
 
+// Scale of numbers that stand in the file for themselves.
+constexpr uint32_t kTdmsRawSeries = 0xFFFFFFFF;
+
+// Numbers of a channel as they stand in the file.
+struct TdmsSeries {
+  // Number of the scale that takes them. Only DAQmx has others than
+  // kTdmsRawSeries.
+  uint32_t scale = kTdmsRawSeries;
+  TdmsType type = TdmsType::kVoid;
+  int bit = -1;  // the one that counts, of a digital line; -1: all
+  bool is_daqmx = false;
+  bool has_several_types = false;
+  std::vector<TdmsRun> runs;
+  uint64_t count = 0;  // of all values
+};
+
 struct TdmsObject {
   // Parts of the path: none for the file, a group, a group and a channel.
   std::vector<std::string> path;
   std::map<std::string, TdmsProperty> properties;
-  TdmsType type = TdmsType::kVoid;
-  bool has_several_types = false;
-  std::vector<TdmsRun> runs;
-  uint64_t count = 0;  // of all values
+  // One for most channels, several for some of DAQmx.
+  std::vector<TdmsSeries> series;
+
+  // Returns the number of values that all series have. In a segment that was
+  // not finished some may have more.
+  uint64_t count() const;
 };
 
 struct TdmsStructure {
