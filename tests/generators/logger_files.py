@@ -279,6 +279,54 @@ def mseed_record(channel, values, encoding, ticks, number=1):
     return record.ljust(512, b"\0")
 
 
+def checksum(data):
+    """CRC-32C, bit by bit."""
+    value = 0xFFFFFFFF
+    for byte in data:
+        value ^= byte
+        for _ in range(8):
+            value = (value >> 1) ^ (0x82F63B78 if value & 1 else 0)
+    return value ^ 0xFFFFFFFF
+
+
+def mseed3_record(source, values, encoding, nanoseconds, rate=100.0,
+                  extra=b""):
+    """A record of version 3 from UNIX + nanoseconds; encodings as above, and 0
+    text, 1 int16. A negative rate is the step."""
+    data = {0: lambda: values.encode(),
+            1: lambda: struct.pack(f"<{len(values)}h", *values),
+            3: lambda: struct.pack(f"<{len(values)}i", *values),
+            4: lambda: struct.pack(f"<{len(values)}f", *values),
+            5: lambda: struct.pack(f"<{len(values)}d", *values),
+            10: lambda: steim_frames(steim1, values),
+            11: lambda: steim_frames(steim2, values)}[encoding]()
+    seconds, rest = divmod(nanoseconds, 10**9)
+    head = b"MS\x03\x00" + struct.pack("<IHHBBBBdI", rest, 2024, 61, 12, 0,
+                                       seconds, encoding, rate, len(values))
+    tail = struct.pack("<BBHI", 1, len(source), len(extra), len(data))
+    tail += source.encode() + extra + data
+    return head + struct.pack(
+        "<I", checksum(head + b"\0\0\0\0" + tail)) + tail
+
+
+def mseed3_files(folder):
+    z, e = "FDSN:XX_STA_00_H_N_Z", "FDSN:XX_STA_00_H_N_E"
+    note = b'{"FDSN":{"Time":{"Quality":100}}}'
+    write(folder, "three.mseed",
+          mseed3_record(z, counts(0, 20), 10, 250000000, extra=note) +
+          mseed3_record(e, counts(1, 20), 11, 250000000) +
+          mseed3_record(z, counts(0, 20, 20), 10, 450000000) +
+          mseed3_record(e, counts(1, 20, 20), 11, 450000000, extra=note))
+    small = [round(1000 * value) for value in series(0)]
+    write(folder, "three_numbers.mseed",
+          mseed3_record("FDSN:XX_STA__H_N_1", small, 1, 250000000) +
+          mseed3_record("FDSN:XX_STA__H_N_2", counts(1), 3, 250000000, -0.01) +
+          mseed3_record("mast/top", series(1), 4, 250000000) +
+          mseed3_record(z, series(2, 10), 5, 250000000) +
+          mseed3_record(z, series(2, 25, 15), 5, 400000000) +
+          mseed3_record("FDSN:XX_STA__L_O_G", "a note", 0, 0, 0.0))
+
+
 def counts(c, count=N, first=0):
     """With steps from small to more than 16 bits."""
     return [round((1, 1000, 100000)[(first + k) // 14 % 3] * y(c, first + k))
@@ -405,6 +453,7 @@ def main():
     knet_files(os.path.join(root, "knet"))
     strong_motion_files(os.path.join(root, "strong_motion"))
     mseed_files(os.path.join(root, "mini_seed"))
+    mseed3_files(os.path.join(root, "mini_seed"))
     sac_files(os.path.join(root, "sac"))
     lvm_files(os.path.join(root, "lvm"))
 

@@ -14,6 +14,7 @@
 #include "pinode/base/file.h"
 #include "pinode/record/files/array_table.h"
 #include "pinode/record/files/loggers/mini_seed.h"
+#include "pinode/record/files/loggers/mini_seed_3.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -343,6 +344,78 @@ TEST_F(MiniSeedTest, GapsAreMissingSamples) {
   }
   EXPECT_THAT(table.reading, HasSubstr("has gaps of 0.05 s in all"));
   EXPECT_THAT(LoggerErrorOf("mini_seed/overlap.mseed"), HasSubstr("overlap"));
+}
+
+TEST(MiniSeed3Test, SteimOneAndTwo) {
+  const Table table = ReadSample("mini_seed/three.mseed");
+  EXPECT_THAT(table.columns, ElementsAre("t", "HNZ", "HNE"));
+  ASSERT_EQ(table.num_rows(), 40);
+  for (int k = 0; k < 40; ++k) {
+    EXPECT_EQ(table.values(k, 1), Counts(0, k));
+    EXPECT_EQ(table.values(k, 2), Counts(1, k));
+  }
+  ExpectStart(table, kStart);
+}
+
+TEST(MiniSeed3Test, NumbersNamesAndGaps) {
+  const std::string name = "mini_seed/three_numbers.mseed";
+  const Table table = ReadSample(
+      name, {"XX.STA..HN1", "HN2", "mast/top", "XX.STA.00.HNZ", "t"});
+  ASSERT_EQ(table.num_rows(), 40);
+  for (int k = 0; k < 40; ++k) {
+    EXPECT_EQ(table.values(k, 0), std::round(1000.0 * Y(0, k)));
+    EXPECT_EQ(table.values(k, 1), Counts(1, k));
+    EXPECT_EQ(table.values(k, 2), static_cast<float>(Y(1, k)));
+    if (k >= 10 && k < 15) {
+      EXPECT_TRUE(std::isnan(table.values(k, 3)));
+    } else {
+      EXPECT_EQ(table.values(k, 3), Y(2, k));
+    }
+    EXPECT_NEAR(table.values(k, 4) - table.values(0, 4), 0.01 * k, 1e-12);
+  }
+  EXPECT_THAT(table.reading, HasSubstr("has gaps of 0.05 s in all"));
+  EXPECT_THAT(LoggerErrorOf(name, {"LOG"}), HasSubstr("no sampling rate"));
+}
+
+TEST(MiniSeed3Test, BrokenRecords) {
+  std::string bytes;
+  std::string error;
+  ASSERT_TRUE(
+      ReadBinaryFile(LoggerSample("mini_seed/three.mseed"), &bytes, &error));
+  const auto error_of = [](const std::string& changed) {
+    LoggedFile file;
+    std::string message;
+    EXPECT_FALSE(ParseLoggedFile(
+        changed, "x.mseed", LoggerFormat::kMiniSeed,
+        [](const LoggerChannel&) { return true; }, &file, &message));
+    return message;
+  };
+  // Every byte counts: a changed one is found by the checksum.
+  for (size_t at = 4; at < bytes.size(); at += 37) {
+    std::string changed = bytes;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    EXPECT_THAT(error_of(changed), HasSubstr("x.mseed: record at byte "));
+  }
+  EXPECT_THAT(error_of(bytes.substr(0, bytes.size() - 5)),
+              HasSubstr("the file ends inside it"));
+  EXPECT_THAT(error_of(bytes + "000001D "),
+              HasSubstr("expected records of miniSEED 3 only"));
+}
+
+TEST(MiniSeed3Test, SteimThatIsBroken) {
+  std::vector<double> values;
+  EXPECT_THAT(UnpackSteim(std::string(63, '\0'), 2, 1, &values),
+              HasSubstr("too short for its 1 samples"));
+  EXPECT_THAT(UnpackSteim(std::string(64, '\0'), 2, 1, &values),
+              HasSubstr("too short for its 1 samples"));
+  // First word behind the two constants: nibble 3, and 3 in its own bits.
+  std::string frame(64, '\0');
+  frame[0] = 0x03;
+  frame[12] = static_cast<char>(0xC0);
+  EXPECT_THAT(UnpackSteim(frame, 2, 1, &values), HasSubstr("broken"));
+  // As Steim 1 the same word is one difference; the last sample is stated as 1.
+  frame[11] = 1;
+  EXPECT_THAT(UnpackSteim(frame, 1, 1, &values), HasSubstr("last sample"));
 }
 
 TEST(LoggerTableTest, Sac) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -14,23 +13,14 @@
 
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/files/loggers/mini_seed_3.h"
+#include "pinode/record/files/loggers/seed_records.h"
 
 namespace pinode {
 
 #ifdef PINODE_WITH_MSEED
 
 namespace {
-
-// Deviation of a record's time from the end of the record before it, in steps,
-// up to which it follows without a gap. It is the tolerance of libmseed.
-constexpr double kLargestDeviation = 0.5;
-// Deviation from which on it is said, and up to which the samples behind a gap
-// are on the grid.
-constexpr double kLargestRecordJitter = 0.1;
-
-// Rates (Hz) that a record may have. Channels of logs have rate 0.
-constexpr double kLowestRate = 1e-6;
-constexpr double kHighestRate = 1e9;
 
 // Last message of libmseed in this thread.
 std::string* LastMessage() {
@@ -44,6 +34,11 @@ void KeepMessage(char* message) { *LastMessage() = message; }
 void QuietLibrary() {
   static std::once_flag once;
   std::call_once(once, [] { ms_loginit(&KeepMessage, "", &KeepMessage, ""); });
+}
+
+int64_t WholeSeconds(hptime_t ticks) {
+  const int64_t seconds = ticks / HPTMODULUS;
+  return ticks % HPTMODULUS < 0 ? seconds - 1 : seconds;
 }
 
 struct RecordCloser {
@@ -77,44 +72,15 @@ int BytesOfSample(int encoding) {
   }
 }
 
-// Samples of one record.
-struct RecordPiece {
-  int64_t start = 0;  // in ticks of libmseed (us)
-  Eigen::Index size = 0;
-  std::vector<double> values;
-};
-
-struct RecordSource {
-  std::string name;
-  std::string short_name;
-  double rate = 0.0;
-  std::string fault;
-  std::vector<RecordPiece> pieces;
-};
-
 class MiniSeedParser {
  public:
   MiniSeedParser(const std::string& bytes, const std::string& path,
                  const ChannelFilter& wanted)
-      : bytes_(bytes), path_(path), wanted_(wanted) {}
+      : bytes_(bytes), path_(path), wanted_(wanted), records_(path) {}
 
   bool Parse(LoggedFile* file, std::string* error) {
     QuietLibrary();
-    if (!ReadRecords(error)) return false;
-    file_.format = "miniSEED";
-    std::vector<StartTime> starts;
-    for (RecordSource& source : sources_) {
-      LoggerChannel channel;
-      StartTime start;
-      if (!MakeChannel(&source, &channel, &start, error)) return false;
-      file_.channels.push_back(std::move(channel));
-      starts.push_back(start);
-    }
-    file_.remarks.emplace_back("values as recorded, without a unit");
-    MakeNamesUnique(&file_);
-    SetStartTimes(starts, &file_);
-    *file = std::move(file_);
-    return true;
+    return ReadRecords(error) && records_.MakeFile(wanted_, file, error);
   }
 
  private:
@@ -151,17 +117,11 @@ class MiniSeedParser {
   }
 
   bool ReadRecords(std::string* error) {
-    if (bytes_.compare(0, 3, "MS\x03") == 0) {
-      *error = path_ +
-               ": is miniSEED of version 3, expected version 2. Convert it "
-               "with `mseedconvert -F 2`";
-      return false;
-    }
     size_t position = 0;
     while (position < bytes_.size()) {
       RecordPointer record;
       if (!ParseRecord(position, false, &record, error)) return false;
-      RecordSource* source = FindSource(*record);
+      SeedSource* source = records_.Source(NameOf(*record), record->samprate);
       const size_t length = static_cast<size_t>(record->reclen);
       if (record->samplecnt > 0 && source->fault.empty() &&
           !TakeRecord(position, source, &record, error)) {
@@ -181,39 +141,17 @@ class MiniSeedParser {
     return name;
   }
 
-  RecordSource* FindSource(const MSRecord& record) {
-    const std::string name = NameOf(record);
-    const auto [found, is_new] = by_name_.emplace(name, sources_.size());
-    if (is_new) {
-      RecordSource source;
-      source.name = name;
-      source.short_name = name.substr(name.rfind('.') + 1);
-      source.rate = record.samprate;
-      if (!(source.rate > kLowestRate && source.rate < kHighestRate)) {
-        source.fault = "it has no sampling rate";
-      }
-      sources_.push_back(std::move(source));
-    }
-    return &sources_[found->second];
-  }
-
-  bool TakeRecord(size_t position, RecordSource* source, RecordPointer* record,
+  bool TakeRecord(size_t position, SeedSource* source, RecordPointer* record,
                   std::string* error) {
-    RecordPiece piece;
-    piece.start = (*record)->starttime;
-    piece.size = static_cast<Eigen::Index>((*record)->samplecnt);
-    if (std::abs((*record)->samprate / source->rate - 1.0) > 1e-6) {
-      return FailAt(position,
-                    "the rate of '" + source->name + "' changes from " +
-                        FormatNumber(source->rate, 6) + " to " +
-                        FormatNumber((*record)->samprate, 6) +
-                        " Hz. Split the file there",
-                    error);
-    }
-    LoggerChannel channel;
-    channel.name = source->name;
-    channel.short_name = source->short_name;
-    if (wanted_(channel)) {
+    const int64_t seconds = WholeSeconds((*record)->starttime);
+    const std::string fault =
+        SeedRecords::Add(source, (*record)->samprate, seconds,
+                         ((*record)->starttime - seconds * HPTMODULUS) *
+                             (kSeedTicks / HPTMODULUS),
+                         static_cast<Eigen::Index>((*record)->samplecnt));
+    if (!fault.empty()) return FailAt(position, fault, error);
+    std::vector<double>* values = &source->pieces.back().values;
+    if (wanted_(source->Outline())) {
       // The library reads behind a record that has fewer samples than it says.
       const int bytes = BytesOfSample((*record)->encoding);
       if (bytes < 0) {
@@ -245,7 +183,7 @@ class MiniSeedParser {
         source->fault = "it holds text, expected numbers";
         return true;
       }
-      piece.values.reserve(static_cast<size_t>(r.numsamples));
+      values->reserve(static_cast<size_t>(r.numsamples));
       for (int64_t i = 0; i < r.numsamples; ++i) {
         const double value =
             r.sampletype == 'i'
@@ -255,119 +193,16 @@ class MiniSeedParser {
                 ? static_cast<double>(
                       static_cast<const float*>(r.datasamples)[i])
                 : static_cast<const double*>(r.datasamples)[i];
-        piece.values.push_back(std::isfinite(value) ? value : std::nan(""));
+        values->push_back(std::isfinite(value) ? value : std::nan(""));
       }
     }
-    source->pieces.push_back(std::move(piece));
     return true;
-  }
-
-  // Puts the records of a source one behind the other.
-  bool MakeChannel(RecordSource* source, LoggerChannel* channel,
-                   StartTime* start, std::string* error) {
-    channel->name = source->name;
-    channel->short_name = source->short_name;
-    channel->fault = source->fault;
-    if (source->pieces.empty() || !channel->fault.empty()) {
-      if (channel->fault.empty()) channel->fault = "it has no sample";
-      return true;
-    }
-    channel->step = 1.0 / source->rate;
-    std::stable_sort(source->pieces.begin(), source->pieces.end(),
-                     [](const RecordPiece& a, const RecordPiece& b) {
-                       return a.start < b.start;
-                     });
-    std::vector<double> values;
-    const double total = TotalSize(*source);
-    Eigen::Index size = 0;
-    double missing = 0.0;
-    double jitter = 0.0;
-    int64_t end = source->pieces[0].start;
-    for (const RecordPiece& piece : source->pieces) {
-      const double deviation =
-          (static_cast<double>(piece.start) - static_cast<double>(end)) /
-          HPTMODULUS * source->rate;
-      const double gap = std::round(deviation);
-      if (deviation < -kLargestDeviation) {
-        *error = path_ + ": records of '" + source->name +
-                 "' overlap. Remove the records that occur twice";
-        return false;
-      }
-      if (deviation <= kLargestDeviation) {
-        jitter = std::max(jitter, std::abs(deviation));
-      } else {
-        missing += gap;
-        if (std::abs(deviation - gap) > kLargestRecordJitter ||
-            missing > total) {
-          *error = path_ + ": behind a gap of " +
-                   FormatNumber(deviation / source->rate, 6) +
-                   " s, the samples of '" + source->name +
-                   "' do not continue the clock, or most samples are missing. "
-                   "Split the file there";
-          return false;
-        }
-        values.resize(values.size() +
-                          (piece.values.empty() ? 0 : static_cast<size_t>(gap)),
-                      std::nan(""));
-        size += static_cast<Eigen::Index>(gap);
-      }
-      values.insert(values.end(), piece.values.begin(), piece.values.end());
-      size += piece.size;
-      end = piece.start +
-            static_cast<int64_t>(std::llround(static_cast<double>(piece.size) /
-                                              source->rate * HPTMODULUS));
-    }
-    channel->size = size;
-    if (wanted_(*channel)) {
-      channel->values = Eigen::Map<const Vector>(
-          values.data(), static_cast<Eigen::Index>(values.size()));
-    }
-    SayFaults(*channel, missing, jitter);
-    SetStart(source->pieces[0].start, start);
-    return true;
-  }
-
-  static double TotalSize(const RecordSource& source) {
-    double size = 0.0;
-    for (const RecordPiece& piece : source.pieces) {
-      size += static_cast<double>(piece.size);
-    }
-    return size;
-  }
-
-  void SayFaults(const LoggerChannel& channel, double missing, double jitter) {
-    if (missing > 0.0) {
-      file_.remarks.push_back("'" + channel.name + "' has gaps of " +
-                              FormatNumber(missing * channel.step, 4) +
-                              " s in all");
-    }
-    if (jitter > kLargestRecordJitter) {
-      file_.remarks.push_back("record times of '" + channel.name +
-                              "' are up to " +
-                              FormatNumber(jitter * channel.step, 3) +
-                              " s off an even clock; the even clock is used");
-    }
-  }
-
-  static void SetStart(int64_t ticks, StartTime* start) {
-    const int64_t modulus = HPTMODULUS;
-    int64_t whole = ticks / modulus;
-    int64_t rest = ticks % modulus;
-    if (rest < 0) {
-      rest += modulus;
-      --whole;
-    }
-    start->seconds = whole;
-    start->fraction = static_cast<double>(rest) / static_cast<double>(modulus);
-    start->is_known = true;
   }
 
   std::string bytes_;  // a copy: the library takes records as not constant
   const std::string& path_;
   const ChannelFilter& wanted_;
-  LoggedFile file_;
-  std::map<std::string, size_t> by_name_;
-  std::vector<RecordSource> sources_;
+  SeedRecords records_;
 };
 
 }  // namespace
@@ -377,6 +212,9 @@ bool CanReadMiniSeed() { return true; }
 bool ParseMiniSeed(const std::string& bytes, const std::string& path,
                    const ChannelFilter& wanted, LoggedFile* file,
                    std::string* error) {
+  if (IsMiniSeed3(bytes)) {
+    return ParseMiniSeed3(bytes, path, wanted, file, error);
+  }
   return MiniSeedParser(bytes, path, wanted).Parse(file, error);
 }
 
@@ -384,10 +222,14 @@ bool ParseMiniSeed(const std::string& bytes, const std::string& path,
 
 bool CanReadMiniSeed() { return false; }
 
-bool ParseMiniSeed(const std::string&, const std::string& path,
-                   const ChannelFilter&, LoggedFile*, std::string* error) {
+bool ParseMiniSeed(const std::string& bytes, const std::string& path,
+                   const ChannelFilter& wanted, LoggedFile* file,
+                   std::string* error) {
+  if (IsMiniSeed3(bytes)) {
+    return ParseMiniSeed3(bytes, path, wanted, file, error);
+  }
   *error = path +
-           ": is miniSEED, but this pinode was built without libmseed 2. "
+           ": is miniSEED 2, and this pinode was built without libmseed 2. "
            "Convert the file to SAC, or build pinode with libmseed-dev";
   return false;
 }
@@ -395,7 +237,7 @@ bool ParseMiniSeed(const std::string&, const std::string& path,
 #endif
 
 bool IsMiniSeedHeader(std::string_view begin) {
-  if (begin.substr(0, 3) == "MS\x03") return true;
+  if (IsMiniSeed3(begin)) return true;
   // Six digits, the quality, and a blank.
   if (begin.size() < 48) return false;
   for (size_t i = 0; i < 6; ++i) {

@@ -10,7 +10,8 @@
 
 namespace pinode {
 
-// Parses a file of miniSEED 2 records with libmseed. A channel is called
+// Parses a file of miniSEED records: version 2 with libmseed, version 3 without
+// a library (ParseMiniSeed3). A channel is called
 // NET.STA.LOC.CHA; its values are what the recorder wrote, mostly counts. Gaps
 // are missing samples. Refuses records that overlap, and gaps that are longer
 // than the records.
@@ -19,7 +20,7 @@ namespace pinode {
                                  const ChannelFilter& wanted, LoggedFile* file,
                                  std::string* error);
 
-// Returns true if this build has libmseed.
+// Returns true if this build has libmseed, for version 2.
 bool CanReadMiniSeed();
 
 // Returns true if a file that begins so is miniSEED, of version 2 or 3.
