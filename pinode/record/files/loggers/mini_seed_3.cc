@@ -16,10 +16,10 @@ constexpr size_t kChecksumPlace = 28;
 
 // Encodings of the samples, as the format counts them.
 enum SeedEncoding : uint8_t {
-  kInt16 = 1,
-  kInt32 = 3,
-  kFloat = 4,
-  kDouble = 5,
+  kSeedInt16 = 1,
+  kSeedInt32 = 3,
+  kSeedFloat = 4,
+  kSeedDouble = 5,
   kSteim1 = 10,
   kSteim2 = 11,
 };
@@ -129,7 +129,8 @@ std::string ReadRecord(std::string_view bytes, Seed3Record* record) {
 
 // Reads numbers of one type that stand one behind the other.
 template <typename T>
-std::string ReadPlain(const Seed3Record& record, std::vector<double>* values) {
+std::string ReadUnpacked(const Seed3Record& record,
+                         std::vector<double>* values) {
   if (static_cast<uint64_t>(record.count) * sizeof(T) > record.data.size()) {
     return "it is too short for its " + std::to_string(record.count) +
            " samples. The file is broken";
@@ -145,14 +146,14 @@ std::string ReadPlain(const Seed3Record& record, std::vector<double>* values) {
 std::string ReadSamples(const Seed3Record& record,
                         std::vector<double>* values) {
   switch (record.encoding) {
-    case kInt16:
-      return ReadPlain<int16_t>(record, values);
-    case kInt32:
-      return ReadPlain<int32_t>(record, values);
-    case kFloat:
-      return ReadPlain<float>(record, values);
-    case kDouble:
-      return ReadPlain<double>(record, values);
+    case kSeedInt16:
+      return ReadUnpacked<int16_t>(record, values);
+    case kSeedInt32:
+      return ReadUnpacked<int32_t>(record, values);
+    case kSeedFloat:
+      return ReadUnpacked<float>(record, values);
+    case kSeedDouble:
+      return ReadUnpacked<double>(record, values);
     default:
       return UnpackSteim(record.data, record.encoding == kSteim1 ? 1 : 2,
                          record.count, values);
@@ -160,7 +161,8 @@ std::string ReadSamples(const Seed3Record& record,
 }
 
 bool IsKnown(int encoding) {
-  for (const int known : {kInt16, kInt32, kFloat, kDouble, kSteim1, kSteim2}) {
+  for (const int known :
+       {kSeedInt16, kSeedInt32, kSeedFloat, kSeedDouble, kSteim1, kSteim2}) {
     if (encoding == known) return true;
   }
   return false;

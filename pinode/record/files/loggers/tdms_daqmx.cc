@@ -7,7 +7,7 @@ namespace {
 
 // Most bytes of a row: far more than cards have.
 constexpr uint32_t kMostBytesOfRow = 1U << 20;
-constexpr uint64_t kMostRows = uint64_t{1} << 40;
+constexpr uint64_t kMostRowsOfChunk = uint64_t{1} << 40;
 
 // Returns the type of a scaler's numbers, which DAQmx counts in its own way.
 TdmsType DaqmxType(uint32_t code) {
@@ -86,7 +86,8 @@ std::string ReadDaqmxIndex(bool is_digital, ByteReader* reader,
     index->widths.push_back(reader->Read<uint32_t>());
   }
   if (!reader->ok()) return "";  // the caller says it
-  if (dimension != 1 || index->count > kMostRows || index->scalers.empty()) {
+  if (dimension != 1 || index->count > kMostRowsOfChunk ||
+      index->scalers.empty()) {
     return "a raw data index of DAQmx without channels or with several "
            "dimensions. The file is broken";
   }
@@ -115,7 +116,7 @@ std::string PlaceDaqmx(const std::vector<const DaqmxIndex*>& indices,
   uint64_t chunk = 0;
   for (const DaqmxBuffer& buffer : buffers) {
     const uint64_t bytes = buffer.rows * buffer.width;
-    if (bytes > kMostRows * kMostBytesOfRow - chunk) {
+    if (bytes > kMostRowsOfChunk * kMostBytesOfRow - chunk) {
       return "more numbers than a file can hold. The file is broken";
     }
     chunk += bytes;
