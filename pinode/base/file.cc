@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -81,6 +83,13 @@ size_t FirstInvalidUtf8(const std::string& text) {
     const unsigned lead = byte(i);
     if (lead < 0x80) {
       ++i;
+      // Eight letters of ASCII at a time: long records are made of them.
+      uint64_t letters = 0;
+      while (i + sizeof letters <= size) {
+        std::memcpy(&letters, text.data() + i, sizeof letters);
+        if ((letters & 0x8080808080808080U) != 0) break;
+        i += sizeof letters;
+      }
       continue;
     }
     size_t length;

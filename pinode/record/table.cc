@@ -11,6 +11,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {
@@ -61,6 +62,20 @@ class CsvRows {
                ": a quoted cell begins here and is never closed";
     }
     return false;
+  }
+
+  // Reads the next line if it holds plain numbers only. Returns false, and
+  // stays in front of the line, if it does not.
+  bool NextNumbers(const NumberRow& row, double* values,
+                   std::ptrdiff_t stride) {
+    const size_t end = std::min(text_.find('\n', position_), text_.size());
+    if (end <= position_ ||
+        !row.Parse(text_.substr(position_, end - position_), values, stride)) {
+      return false;
+    }
+    position_ = end + 1;
+    first_line_ = ++line_number_;
+    return true;
   }
 
   const std::vector<std::string>& cells() const { return cells_; }
@@ -272,8 +287,21 @@ bool ParseCsvTable(std::string text, const std::string& path,
   result.values.resize(lines - header_line,
                        static_cast<Eigen::Index>(positions.size()));
   result.line_numbers.reserve(static_cast<size_t>(result.values.rows()));
+  std::vector<int> columns(header.size(), -1);
+  for (size_t j = 0; j < positions.size(); ++j) {
+    columns[positions[j]] = static_cast<int>(j);
+  }
+  const NumberRow numbers(delimiter, '.', std::move(columns));
   Eigen::Index row = 0;
-  while (rows.Next(&malformed)) {
+  while (true) {
+    if (row < result.values.rows() &&
+        rows.NextNumbers(numbers, result.values.data() + row,
+                         result.values.rows())) {
+      ++row;
+      result.line_numbers.push_back(rows.line_number());
+      continue;
+    }
+    if (!rows.Next(&malformed)) break;
     const std::string where =
         path + ":" + std::to_string(rows.line_number()) + ": ";
     if (rows.cells().size() != header.size()) {

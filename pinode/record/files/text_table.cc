@@ -11,6 +11,7 @@
 #include "pinode/base/text_encoding.h"
 #include "pinode/record/files/text_rows.h"
 #include "pinode/record/files/text_time.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {
@@ -198,6 +199,7 @@ class TextTableReader {
     clock_.clear();
     blank_line_ = 0;
     if (parts_.IsClock()) clock_.reserve(static_cast<size_t>(rows));
+    const NumberRow plain = PlainRow();
     Eigen::Index row = 0;
     int64_t line_number = layout_.first_row_line - 1;
     size_t at = layout_.first_row;
@@ -215,7 +217,7 @@ class TextTableReader {
                     "a blank line between rows of a single column may be a "
                     "missing value; write nan there, or delete the line");
       }
-      if (!ReadRow(line, line_number, row)) {
+      if (!ReadPlainRow(plain, line, row) && !ReadRow(line, line_number, row)) {
         if (!reread_) return false;
         reread_ = false;
         layout_.is_decimal_open = false;
@@ -227,6 +229,51 @@ class TextTableReader {
     }
     table_.values.conservativeResize(row, Eigen::NoChange);
     return CheckMeaning() && FinishClock();
+  }
+
+  // Reader of rows whose wanted cells are plain numbers.
+  NumberRow PlainRow() const {
+    std::vector<int> columns(layout_.num_cells, -1);
+    for (size_t j = 0; j < places_.size(); ++j) {
+      if (places_[j] == time_ && parts_.IsClock()) continue;
+      columns[static_cast<size_t>(places_[j])] = static_cast<int>(j);
+    }
+    return NumberRow(layout_.delimiter, layout_.decimal, std::move(columns));
+  }
+
+  // True if the time of a row has more digits than a double.
+  bool IsLongTime(Eigen::Index row) const {
+    const auto place = std::find(places_.begin(), places_.end(), time_);
+    return place != places_.end() &&
+           std::abs(table_.values(row, place - places_.begin())) >
+               kLargestExact;
+  }
+
+  // Reads a row of plain numbers and, perhaps, a clock time. Returns false if
+  // the row is another one, or if its numbers still tell how to read them.
+  bool ReadPlainRow(const NumberRow& plain, std::string_view line,
+                    Eigen::Index row) {
+    if (layout_.is_decimal_open || places_.empty() ||
+        (layout_.decimal == ',' && thousands_ != Thousands::kNo) ||
+        !plain.Parse(line, table_.values.data() + row, table_.values.rows())) {
+      return false;
+    }
+    if (!parts_.IsClock()) return !IsLongTime(row);
+    // Only the cells up to the last one of the time.
+    size_t end = 0;
+    for (int i = 0; i <= parts_.Last() && end != std::string_view::npos; ++i) {
+      end = line.find(layout_.delimiter, i == 0 ? 0 : end + 1);
+    }
+    ClockCell cell;
+    if (layout_.delimiter == ' ' ||
+        !SplitCells(line.substr(0, end), layout_.delimiter, &cells_,
+                    &storage_) ||
+        cells_.size() <= static_cast<size_t>(parts_.Last()) ||
+        !ParseRowTime(cells_, parts_, format_, layout_.decimal, &cell)) {
+      return false;
+    }
+    clock_.push_back(cell);
+    return true;
   }
 
   bool ReadRow(std::string_view line, int64_t line_number, Eigen::Index row) {

@@ -3,6 +3,7 @@
 #ifndef PINODE_RECORD_FILES_TEXT_TIME_H_
 #define PINODE_RECORD_FILES_TEXT_TIME_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@ struct TimeParts {
   double fraction_in_seconds = 0.0;
 
   bool IsClock() const { return date >= 0 || time >= 0; }
+  int Last() const { return std::max({date, time, fraction}); }
   bool Has(int column) const {
     return column == date || column == time || column == fraction;
   }
