@@ -8,6 +8,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/text/toml_depth.h"
 
 namespace pinode {
 namespace {
@@ -286,6 +287,14 @@ void TomlValue::Erase(const std::string& key) {
 
 bool ParseToml(const std::string& text, const std::string& path,
                TomlValue* root, std::string* error) {
+  const int too_deep = LineOfTooDeepToml(text);
+  if (too_deep > 0) {
+    *error = path + ":" + std::to_string(too_deep) + ": more than " +
+             std::to_string(kDeepestToml) +
+             " levels of keys, arrays and tables within each other, expected a "
+             "case file: use fewer";
+    return false;
+  }
   // The installed library has only the parser with exceptions.
   try {
     *root = Convert(toml::parse(std::string_view(text)));

@@ -96,6 +96,42 @@ TEST(TomlValueTest, RoundTrip) {
   EXPECT_EQ(FormatToml(read), FormatToml(Parse(FormatToml(read))));
 }
 
+// A parser that recurses once a level ends by a signal at some 10,000 levels.
+TEST(TomlValueTest, DeepNestingIsRefused) {
+  const auto repeated = [](const std::string& part, int times) {
+    std::string text;
+    for (int i = 0; i < times; ++i) text += part;
+    return text;
+  };
+  const std::string deep = repeated("a.", 20000) + "a";
+  const std::string hidden = "a = [\"\"\"x\"\"\"\"\", {" + deep + " = 1}]\n";
+  for (const std::string& text :
+       {"x = 1\n" + deep + " = 1\n", "\n[" + deep + "]\n",
+        "\n[[" + deep + "]]\n", "\na = " + repeated("[", 20000) + "\n",
+        "\n" + repeated("{a=", 20000) + "\n",
+        "\nb = " + repeated("{a.b.c.d=", 200) + "1\n", "\n" + hidden,
+        "\n\"x\"" + repeated(".\"y\"", 20000) + " = 1\n"}) {
+    TomlValue root;
+    std::string error;
+    ASSERT_FALSE(ParseToml(text, "deep.toml", &root, &error))
+        << text.substr(0, 40);
+    EXPECT_THAT(error, HasSubstr("deep.toml:2: more than 100 levels"));
+  }
+}
+
+TEST(TomlValueTest, MuchTextIsNotDeep) {
+  // Numbers, texts, comments and many tables in turn add no level.
+  std::string text = "title = \"\"\"a.b.c\n[[[\"\"\"\nb = [";
+  for (int i = 0; i < 500; ++i) text += "1.5, ";
+  text += "]\n";
+  for (int i = 0; i < 500; ++i) {
+    text += "[[a.b]] # ....[[[[\nc.d = 1.5\ne = [[1.5], '...', {f.g = 2}]\n";
+  }
+  const TomlValue root = Parse(text);
+  EXPECT_EQ(root.Find("b")->elements.size(), 500u);
+  EXPECT_EQ(root.Find("a")->Find("b")->elements.size(), 500u);
+}
+
 TEST(TomlValueTest, SetAndErase) {
   TomlValue table = TomlValue::Table();
   table.Set("a", TomlValue::Integer(1));
