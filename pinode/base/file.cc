@@ -15,11 +15,10 @@
 
 #include "pinode/base/compression.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/unpacked_size.h"
 
 namespace pinode {
 namespace {
-
-constexpr size_t kLargestUnpacked = size_t{4} << 30;
 
 std::string ErrorText(int error_number) {
   return std::generic_category().message(error_number);
@@ -142,6 +141,14 @@ bool ReadBinaryFile(const std::string& path, std::string* content,
     *error = path + ": is not a regular file";
     return false;
   }
+  // A file with holes states any size and takes no place on the disk.
+  constexpr double kBlock = 512.0;
+  std::string what;
+  if (!UnpackedSize(kBlock * static_cast<double>(status.st_blocks))
+           .Take(static_cast<double>(status.st_size), &what)) {
+    *error = path + ": the file " + what;
+    return false;
+  }
   std::string text;
   // One byte more than expected, to detect the end without another allocation.
   text.resize(static_cast<size_t>(status.st_size) + 1);
@@ -177,8 +184,9 @@ bool ReadTextOfAnyEncoding(const std::string& path, std::string* content,
   if (!ReadBinaryFile(path, &text, error)) return false;
   if (WithoutGz(path) != path) {
     std::string what;
-    if (!Unpack(CompressedFormat::kGzip, text, kLargestUnpacked, &text,
-                &what)) {
+    const UnpackedSize memory(static_cast<double>(text.size()));
+    if (!Unpack(CompressedFormat::kGzip, text,
+                static_cast<size_t>(memory.largest()), &text, &what)) {
       *error = path + ": " + what + ", and a file of gzip was expected";
       return false;
     }

@@ -16,7 +16,8 @@ namespace pinode {
 
 // Reads the whole text file at `path`. Does what ReadBinaryFile does, and also
 // fails if the file is not valid UTF-8 (`path:line: ...`, the line of the first
-// bad byte). Unpacks a file whose name ends in .gz, up to 4 GiB.
+// bad byte). Unpacks a file whose name ends in .gz, as far as unpacked_size.h
+// grants it.
 [[nodiscard]] bool ReadTextFile(const std::string& path, std::string* content,
                                 std::string* error);
 

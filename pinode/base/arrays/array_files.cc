@@ -1,7 +1,9 @@
 #include "pinode/base/arrays/array_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "pinode/base/arrays/array_shape.h"
@@ -10,6 +12,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/unpacked_size.h"
 
 namespace pinode {
 namespace {
@@ -60,13 +63,21 @@ class MatlabArrays {
 
   bool Read() {
     if (!file_.Open(path_, error_)) return false;
+    UnpackedSize memory(static_cast<double>(file_.size()));
     while (const MatlabVariable variable = file_.Next()) {
       if (variable->name == nullptr) continue;
       const std::string name = variable->name;
       const bool is_container = IsContainer(*variable);
       if (!is_container && !IsFullOfNumbers(*variable)) continue;
-      if (!Fits(*variable, 0)) return Fail(name, kBrokenMatlabVariable);
-      if ((is_container || wanted_(name)) && !file_.ReadData(variable.get())) {
+      const double count = CountNumbers(*variable, 0);
+      if (!std::isfinite(count)) return Fail(name, kBrokenMatlabVariable);
+      const bool is_read = is_container || wanted_(name);
+      std::string what;
+      // The numbers stand in the order of the file and in ours for a while.
+      if (is_read && !memory.Take(2.0 * sizeof(double) * count, &what)) {
+        return Fail(name, " " + what);
+      }
+      if (is_read && !file_.ReadData(variable.get())) {
         return Fail(name, " cannot be read; check that the file is complete");
       }
       if (!Add(name, variable.get(), 0)) return false;
@@ -93,25 +104,26 @@ class MatlabArrays {
     return false;
   }
 
-  // Returns true if the file can hold the announced size of a variable and of
-  // its fields and cells.
-  bool Fits(const matvar_t& variable, int depth) const {
-    if (variable.dims == nullptr) return false;
+  // Returns the numbers that a variable, its fields and cells announce, or
+  // infinity if the file cannot hold them.
+  double CountNumbers(const matvar_t& variable, int depth) const {
+    constexpr double kTooMany = std::numeric_limits<double>::infinity();
+    if (variable.dims == nullptr) return kTooMany;
     double count = 1.0;
     for (int d = 0; d < variable.rank; ++d) {
       count *= static_cast<double>(variable.dims[d]);
     }
     if (count > static_cast<double>(kLargestMatlabExpansion) *
                     static_cast<double>(file_.size())) {
-      return false;
+      return kTooMany;
     }
-    if (!IsContainer(variable) || variable.data == nullptr) return true;
-    if (depth > kDeepestLevel) return false;
+    if (!IsContainer(variable) || variable.data == nullptr) return count;
+    if (depth > kDeepestLevel) return kTooMany;
     const auto* fields = static_cast<matvar_t* const*>(variable.data);
     for (size_t i = 0; i < variable.nbytes / sizeof(matvar_t*); ++i) {
-      if (fields[i] != nullptr && !Fits(*fields[i], depth + 1)) return false;
+      if (fields[i] != nullptr) count += CountNumbers(*fields[i], depth + 1);
     }
-    return true;
+    return count;
   }
 
   bool Add(const std::string& name, matvar_t* variable, int depth) {
@@ -247,7 +259,9 @@ bool ReadNumpyArrays(const std::string& path, const ArrayFilter& wanted,
   NumpyArrays found;
   std::set<std::string> others;
   if (ExtensionOf(path) == ".npz") {
-    if (!ReadNumpyArchive(path, content, &found, &others, error)) return false;
+    if (!ReadNumpyArchive(path, content, wanted, &found, &others, error)) {
+      return false;
+    }
     if (found.empty() && others.empty()) {
       *error = path + ": holds no array, and a NumPy archive was expected";
       return false;
@@ -256,7 +270,7 @@ bool ReadNumpyArrays(const std::string& path, const ArrayFilter& wanted,
     const std::string name = std::filesystem::path(path).stem().string();
     NumpyArray array;
     std::string what;
-    switch (ParseNumpyArray(content, &array, &what)) {
+    switch (ParseNumpyArray(std::move(content), &array, &what)) {
       case NumpyArrayKind::kBroken:
         *error = path + ": the file " + what;
         return false;

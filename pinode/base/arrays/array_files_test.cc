@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 #include <matio.h>
+#include <zip.h>
 
 #include <cmath>
 #include <string>
@@ -9,6 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/file.h"
+#include "pinode/base/unpacked_size.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -214,6 +216,93 @@ TEST(ArrayFilesTest, OnlyWhatIsWantedIsRead) {
       EXPECT_EQ(array.values.size() > 0, array.name == "t") << array.name;
       EXPECT_TRUE(array.samples > 0 || !array.fault.empty()) << array.name;
     }
+  }
+}
+
+// Sets the limit for one test.
+class UnpackedBytes {
+ public:
+  explicit UnpackedBytes(double bytes) { SetLargestUnpackedBytes(bytes); }
+  ~UnpackedBytes() { SetLargestUnpackedBytes(before_); }
+  UnpackedBytes(const UnpackedBytes&) = delete;
+  UnpackedBytes& operator=(const UnpackedBytes&) = delete;
+
+ private:
+  const double before_ = LargestUnpackedBytes();
+};
+
+// Writes an archive of NumPy with 'zeros' (1e6 numbers, packed to a thousandth)
+// and 't' (3 numbers).
+void WriteZerosNpz(const std::string& path) {
+  std::string members[2];
+  const char* const shapes[] = {"(1000000,)", "(3,)"};
+  const size_t bytes[] = {8000000, 24};
+  for (int m = 0; m < 2; ++m) {
+    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': " +
+                         std::string(shapes[m]) + ", }";
+    header.resize(117, ' ');
+    header += '\n';
+    members[m] = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header +
+                 std::string(bytes[m], '\0');
+  }
+  zip_t* archive = zip_open(path.c_str(), ZIP_CREATE, nullptr);
+  ASSERT_NE(archive, nullptr);
+  const char* const names[] = {"zeros.npy", "t.npy"};
+  for (int m = 0; m < 2; ++m) {
+    zip_source_t* source = zip_source_buffer(archive, members[m].data(),
+                                             members[m].size(), /*freep=*/0);
+    ASSERT_GE(zip_file_add(archive, names[m], source, 0), 0);
+  }
+  ASSERT_EQ(zip_close(archive), 0);
+}
+
+// Writes the same to HDF5; the samples of 'zeros' were never written.
+void WriteZerosHdf5(const std::string& path) {
+  const hid_t file =
+      H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const double times[] = {0.0, 1.0, 2.0};
+  for (const hsize_t size : {hsize_t{1000000}, hsize_t{3}}) {
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t set =
+        H5Dcreate2(file, size == 3 ? "t" : "zeros", H5T_IEEE_F64LE, space,
+                   H5P_DEFAULT, properties, H5P_DEFAULT);
+    if (size == 3) {
+      H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times);
+    }
+    H5Dclose(set);
+    H5Pclose(properties);
+    H5Sclose(space);
+  }
+  ASSERT_GE(H5Fclose(file), 0);
+}
+
+// A small file that becomes large takes no memory unless it is asked for, and
+// only as much as the limit then.
+TEST(ArrayFilesTest, SmallFilesThatBecomeLarge) {
+  const TemporaryFolder folder;
+  WriteZerosNpz(folder.Path("zeros.npz"));
+  WriteZerosHdf5(folder.Path("zeros.h5"));
+  for (const char* name : {"zeros.npz", "zeros.h5"}) {
+    const auto read = [&](const std::string& wanted,
+                          std::vector<NamedArray>* arrays, std::string* error) {
+      return ReadArrayFile(
+          folder.Path(name),
+          [&](const std::string& array) { return array == wanted; }, arrays,
+          error);
+    };
+    std::vector<NamedArray> arrays;
+    std::string error;
+    ASSERT_TRUE(read("zeros", &arrays, &error)) << error;
+    EXPECT_EQ(Find(arrays, "zeros").values.rows(), 1000000);
+
+    const UnpackedBytes limit(1e6);
+    ASSERT_TRUE(read("t", &arrays, &error)) << error;
+    EXPECT_EQ(Find(arrays, "zeros").samples, 1000000);
+    EXPECT_EQ(Find(arrays, "t").values.rows(), 3);
+    EXPECT_FALSE(read("zeros", &arrays, &error)) << name;
+    EXPECT_THAT(error, HasSubstr("takes more than 0.001 GB of memory"));
+    EXPECT_THAT(error, HasSubstr("--unpacked_gb"));
   }
 }
 

@@ -1,11 +1,13 @@
-#include <hdf5.h>
-
+#include <optional>
 #include <utility>
 
 #include "pinode/base/arrays/array_shape.h"
+#include "pinode/base/arrays/hdf5_id.h"
+#include "pinode/base/arrays/hdf5_storage.h"
 #include "pinode/base/arrays/quiet_hdf5.h"
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
+#include "pinode/base/unpacked_size.h"
 
 namespace pinode {
 namespace {
@@ -13,23 +15,6 @@ namespace {
 // Largest possible ratio of unpacked to packed bytes in the filters of HDF5,
 // rounded up. Data sets that were never written take no place at all.
 constexpr double kLargestHdf5Expansion = 1100.0;
-
-// An identifier of HDF5, closed at the end.
-class Hdf5Id {
- public:
-  Hdf5Id(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Hdf5Id() {
-    if (id_ >= 0) close_(id_);
-  }
-  Hdf5Id(const Hdf5Id&) = delete;
-  Hdf5Id& operator=(const Hdf5Id&) = delete;
-  hid_t get() const { return id_; }
-  bool good() const { return id_ >= 0; }
-
- private:
-  const hid_t id_;
-  herr_t (*const close_)(hid_t);
-};
 
 bool IsNumber(hid_t type) {
   const H5T_class_t kind = H5Tget_class(type);
@@ -47,6 +32,7 @@ class Hdf5Reader {
     std::string content;
     if (!ReadBinaryFile(path_, &content, error_)) return false;
     file_size_ = static_cast<double>(content.size());
+    memory_.emplace(file_size_);
     content = std::string();
     const QuietHdf5 quiet;
     const Hdf5Id file(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
@@ -87,6 +73,14 @@ class Hdf5Reader {
   bool AddDataSet(hid_t file, const std::string& name) {
     const Hdf5Id set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!set.good()) return Fail(name);
+    const std::string outside = Hdf5StorageFault(set.get());
+    if (!outside.empty()) {
+      NamedArray array;
+      array.name = name;
+      array.fault = outside;
+      arrays_->push_back(std::move(array));
+      return true;
+    }
     const Hdf5Id type(H5Dget_type(set.get()), H5Tclose);
     const Hdf5Id space(H5Dget_space(set.get()), H5Sclose);
     if (!type.good() || !space.good()) return Fail(name);
@@ -167,8 +161,16 @@ class Hdf5Reader {
     } else if (ShapeArray(dimensions, /*by_rows=*/true, &array, &by_sample,
                           &by_column) &&
                wanted_(name)) {
-      std::vector<double> numbers(static_cast<size_t>(array.samples) *
-                                  static_cast<size_t>(array.columns));
+      const size_t count = static_cast<size_t>(array.samples) *
+                           static_cast<size_t>(array.columns);
+      std::string what;
+      // The numbers stand in the order of the file and in ours for a while.
+      if (!memory_->Take(2.0 * sizeof(double) * static_cast<double>(count),
+                         &what)) {
+        *error_ = path_ + ": data set " + Quote(name) + " " + what;
+        return false;
+      }
+      std::vector<double> numbers(count);
       if (H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                   numbers.data()) < 0) {
         return Fail(name);
@@ -190,6 +192,7 @@ class Hdf5Reader {
   std::vector<NamedArray>* const arrays_;
   std::string* const error_;
   double file_size_ = 0.0;
+  std::optional<UnpackedSize> memory_;
 };
 
 }  // namespace

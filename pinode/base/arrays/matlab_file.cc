@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pinode/base/arrays/hdf5_storage.h"
 #include "pinode/base/arrays/mat5_structure.h"
 #include "pinode/base/arrays/quiet_hdf5.h"
 #include "pinode/base/file.h"
@@ -41,6 +42,10 @@ bool MatlabFile::Open(const std::string& path, std::string* error) {
     return false;
   }
   content = std::string();
+  if (is_mat73 && !CheckHdf5Storage(path, &what)) {
+    *error = path + ": the file " + what;
+    return false;
+  }
   opened_ = std::make_unique<Opened>();
   opened_->file.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (opened_->file != nullptr) return true;

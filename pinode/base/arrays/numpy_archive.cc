@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "pinode/base/file_text.h"
+#include "pinode/base/unpacked_size.h"
 
 namespace pinode {
 namespace {
-
-// Larger members are refused: a full matrix of 10,000 DOFs has 0.8 GB.
-constexpr size_t kLargestMember = size_t{4} << 30;
 
 struct ArchiveCloser {
   void operator()(zip_t* archive) const { zip_discard(archive); }
@@ -28,9 +26,10 @@ std::string ZipMessage(zip_error_t* problem) {
   return message;
 }
 
-// Reads one member whole, whatever size the archive claims.
-bool ReadMember(zip_t* archive, zip_uint64_t index, std::string* bytes,
-                std::string* what) {
+// Reads one member, whatever size the archive claims: all of it, or the bytes
+// that hold its header.
+bool ReadMember(zip_t* archive, zip_uint64_t index, bool whole,
+                UnpackedSize* memory, std::string* bytes, std::string* what) {
   const std::unique_ptr<zip_file_t, MemberCloser> member(
       zip_fopen_index(archive, index, 0));
   if (member == nullptr) {
@@ -47,20 +46,19 @@ bool ReadMember(zip_t* archive, zip_uint64_t index, std::string* bytes,
       return false;
     }
     if (count == 0) return true;
+    if (!memory->Take(static_cast<double>(count), what)) return false;
     bytes->append(buffer.data(), static_cast<size_t>(count));
-    if (bytes->size() > kLargestMember) {
-      *what = "is larger than the " + std::to_string(kLargestMember) +
-              " bytes that were expected at most";
-      return false;
-    }
+    if (!whole && bytes->size() >= kNumpyHeaderBytes) return true;
   }
 }
 
 }  // namespace
 
 bool ReadNumpyArchive(const std::string& path, const std::string& content,
+                      const std::function<bool(const std::string&)>& wanted,
                       NumpyArrays* arrays, std::set<std::string>* others,
                       std::string* error) {
+  UnpackedSize memory(static_cast<double>(content.size()));
   zip_error_t problem;
   zip_error_init(&problem);
   zip_source_t* source = zip_source_buffer_create(
@@ -93,8 +91,10 @@ bool ReadNumpyArchive(const std::string& path, const std::string& content,
     std::string what;
     NumpyArray array;
     NumpyArrayKind kind = NumpyArrayKind::kBroken;
-    if (ReadMember(archive.get(), index, &bytes, &what)) {
-      kind = ParseNumpyArray(bytes, &array, &what);
+    const bool whole = wanted(name);
+    if (ReadMember(archive.get(), index, whole, &memory, &bytes, &what)) {
+      kind = whole ? ParseNumpyArray(std::move(bytes), &array, &what)
+                   : ParseNumpyHeader(bytes, &array, &what);
     }
     if (kind == NumpyArrayKind::kBroken) {
       *error = path + ": array " + Quote(name) + " " + what;

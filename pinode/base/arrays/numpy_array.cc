@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
@@ -101,6 +102,52 @@ bool ParseShape(std::string_view text, std::vector<int64_t>* shape) {
   return shape->size() <= 8;
 }
 
+// Parses the header, and finds where the data begin.
+NumpyArrayKind ParseHeader(const std::string& bytes, NumpyArray* array,
+                           size_t* data_begin, std::string* what) {
+  constexpr std::string_view kMagic = "\x93NUMPY";
+  const std::string_view view = bytes;
+  if (view.size() < 10 || view.substr(0, kMagic.size()) != kMagic) {
+    *what = "is no NumPy array, and its first bytes were expected to say so";
+    return NumpyArrayKind::kBroken;
+  }
+  const auto byte_at = [&view](size_t i) {
+    return static_cast<size_t>(static_cast<unsigned char>(view[i]));
+  };
+  const size_t version = byte_at(6);
+  size_t begin = 10;
+  size_t length = byte_at(8) + 256 * byte_at(9);
+  if (version == 2 || version == 3) {
+    if (view.size() < 12) {
+      *what = "ends inside its header";
+      return NumpyArrayKind::kBroken;
+    }
+    begin = 12;
+    length += 65536 * byte_at(10) + 16777216 * byte_at(11);
+  } else if (version != 1) {
+    *what = "has format version " + std::to_string(version) +
+            ", and 1 to 3 was expected";
+    return NumpyArrayKind::kBroken;
+  }
+  if (length > view.size() - begin) {
+    *what = "ends inside its header of " + std::to_string(length) + " bytes";
+    return NumpyArrayKind::kBroken;
+  }
+  const std::string_view header = view.substr(begin, length);
+  const std::string_view order = ValueOf(header, "fortran_order");
+  if (!ParseType(ValueOf(header, "descr"), array))
+    return NumpyArrayKind::kOther;
+  if ((order.substr(0, 4) != "True" && order.substr(0, 5) != "False") ||
+      !ParseShape(ValueOf(header, "shape"), &array->shape)) {
+    *what = "has the header " + Quote(header) +
+            ", and descr, fortran_order and shape were expected";
+    return NumpyArrayKind::kBroken;
+  }
+  array->fortran_order = order[0] == 'T';
+  *data_begin = begin + length;
+  return NumpyArrayKind::kUsable;
+}
+
 }  // namespace
 
 double NumpyArray::NumberAt(int64_t index) const {
@@ -157,48 +204,18 @@ std::string NumpyArray::TextAt(int64_t index) const {
   return text;
 }
 
-NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
+NumpyArrayKind ParseNumpyHeader(const std::string& bytes, NumpyArray* array,
+                                std::string* what) {
+  size_t data_begin = 0;
+  return ParseHeader(bytes, array, &data_begin, what);
+}
+
+NumpyArrayKind ParseNumpyArray(std::string bytes, NumpyArray* array,
                                std::string* what) {
-  constexpr std::string_view kMagic = "\x93NUMPY";
-  const std::string_view view = bytes;
-  if (view.size() < 10 || view.substr(0, kMagic.size()) != kMagic) {
-    *what = "is no NumPy array, and its first bytes were expected to say so";
-    return NumpyArrayKind::kBroken;
-  }
-  const auto byte_at = [&view](size_t i) {
-    return static_cast<size_t>(static_cast<unsigned char>(view[i]));
-  };
-  const size_t version = byte_at(6);
-  size_t begin = 10;
-  size_t length = byte_at(8) + 256 * byte_at(9);
-  if (version == 2 || version == 3) {
-    if (view.size() < 12) {
-      *what = "ends inside its header";
-      return NumpyArrayKind::kBroken;
-    }
-    begin = 12;
-    length += 65536 * byte_at(10) + 16777216 * byte_at(11);
-  } else if (version != 1) {
-    *what = "has format version " + std::to_string(version) +
-            ", and 1 to 3 was expected";
-    return NumpyArrayKind::kBroken;
-  }
-  if (length > view.size() - begin) {
-    *what = "ends inside its header of " + std::to_string(length) + " bytes";
-    return NumpyArrayKind::kBroken;
-  }
-  const std::string_view header = view.substr(begin, length);
-  const std::string_view order = ValueOf(header, "fortran_order");
-  if (!ParseType(ValueOf(header, "descr"), array))
-    return NumpyArrayKind::kOther;
-  if ((order.substr(0, 4) != "True" && order.substr(0, 5) != "False") ||
-      !ParseShape(ValueOf(header, "shape"), &array->shape)) {
-    *what = "has the header " + Quote(header) +
-            ", and descr, fortran_order and shape were expected";
-    return NumpyArrayKind::kBroken;
-  }
-  array->fortran_order = order[0] == 'T';
-  const size_t available = view.size() - begin - length;
+  size_t begin = 0;
+  const NumpyArrayKind kind = ParseHeader(bytes, array, &begin, what);
+  if (kind != NumpyArrayKind::kUsable) return kind;
+  const size_t available = bytes.size() - begin;
   // The product may be very large; as a double it does not overflow.
   double expected = static_cast<double>(array->item_size);
   for (const int64_t size : array->shape) expected *= static_cast<double>(size);
@@ -207,7 +224,8 @@ NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
             FormatNumber(expected, 15) + " were expected by its header";
     return NumpyArrayKind::kBroken;
   }
-  array->data = bytes.substr(begin + length);
+  bytes.erase(0, begin);
+  array->data = std::move(bytes);
   return NumpyArrayKind::kUsable;
 }
 

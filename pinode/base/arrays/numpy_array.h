@@ -44,8 +44,16 @@ enum class NumpyArrayKind { kUsable, kOther, kBroken };
 // Parses an array of format version 1 to 3: numbers of any real type and byte
 // order, or text. If the array is broken, *what continues the sentence "array
 // 'x' ...".
-NumpyArrayKind ParseNumpyArray(const std::string& bytes, NumpyArray* array,
+NumpyArrayKind ParseNumpyArray(std::string bytes, NumpyArray* array,
                                std::string* what);
+
+// Bytes at the beginning of a file that hold any usual header.
+inline constexpr size_t kNumpyHeaderBytes = 65536;
+
+// Parses the header alone. `bytes` are the first kNumpyHeaderBytes of the file
+// or more, or all of it. The array gets no data.
+NumpyArrayKind ParseNumpyHeader(const std::string& bytes, NumpyArray* array,
+                                std::string* what);
 
 }  // namespace pinode
 

@@ -18,4 +18,6 @@ QuietHdf5::~QuietHdf5() {
   H5Eset_auto2(H5E_DEFAULT, before_->function, before_->data);
 }
 
+void QuietHdf5AtExit() { H5dont_atexit(); }
+
 }  // namespace pinode

@@ -22,6 +22,12 @@ class QuietHdf5 {
   const std::unique_ptr<Handler> before_;
 };
 
+// Keeps HDF5 from closing what is open when the process ends. After a damaged
+// file it would write "infinite loop closing library" to standard error. For
+// programs, which only read such files and close them: call it before anything
+// else of HDF5.
+void QuietHdf5AtExit();
+
 }  // namespace pinode
 
 #endif  // PINODE_BASE_ARRAYS_QUIET_HDF5_H_

@@ -13,6 +13,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unpacked_size.h"
 #include "pinode/record/files/universal_file.h"
 #include "pinode/record/files/universal_sets.h"
 
@@ -20,8 +21,6 @@ namespace pinode {
 namespace {
 
 using Complex = std::complex<double>;
-
-constexpr size_t kLargestFile = size_t{4} << 30;
 
 bool ParseShapeValues(UniversalLines* in, UniversalShape* shape,
                       std::string* what) {
@@ -204,8 +203,9 @@ bool ReadUniversalFile(const std::string& path, UniversalFile* file,
   if (WithoutGz(path) != path) {
     std::string unpacked;
     std::string what;
-    if (!Unpack(CompressedFormat::kGzip, bytes, kLargestFile, &unpacked,
-                &what)) {
+    const UnpackedSize memory(static_cast<double>(bytes.size()));
+    if (!Unpack(CompressedFormat::kGzip, bytes,
+                static_cast<size_t>(memory.largest()), &unpacked, &what)) {
       *error = path + ": " + what;
       return false;
     }

@@ -11,6 +11,7 @@
 #include "pinode/base/arrays/matlab_file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unpacked_size.h"
 #include "pinode/structure/matrices/matrix_text.h"
 
 namespace pinode {
@@ -237,6 +238,7 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
   CHECK(error != nullptr);
   MatlabFile file;
   if (!file.Open(path, error)) return false;
+  UnpackedSize memory(static_cast<double>(file.size()));
   std::string what;
   MatrixContainer result;
   while (const MatlabVariable variable = file.Next()) {
@@ -250,7 +252,12 @@ bool ReadMatFile(const std::string& path, MatrixContainer* container,
     }
     NamedMatrix matrix;
     matrix.name = name;
-    bool good = CheckSize(*variable, file.size(), &what);
+    bool good = CheckSize(*variable, file.size(), &what) &&
+                (variable->class_type == MAT_C_SPARSE ||
+                 memory.Take(static_cast<double>(sizeof(double)) *
+                                 static_cast<double>(variable->dims[0]) *
+                                 static_cast<double>(variable->dims[1]),
+                             &what));
     if (good && is_matrix && variable->isComplex) {
       matrix.fault = "it is complex";
       result.matrices.push_back(std::move(matrix));

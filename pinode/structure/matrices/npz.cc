@@ -80,7 +80,10 @@ bool ReadNpzContent(const std::string& path, const std::string& content,
   CHECK(error != nullptr);
   Arrays arrays;
   std::set<std::string> others;
-  if (!ReadNumpyArchive(path, content, &arrays, &others, error)) return false;
+  const auto all = [](const std::string&) { return true; };
+  if (!ReadNumpyArchive(path, content, all, &arrays, &others, error)) {
+    return false;
+  }
   MatrixContainer result;
   const auto fail = [&path, error](const std::string& name,
                                    const std::string& what) {
