@@ -10,8 +10,8 @@ python is run by the test python.package, matlab by programs.octave (only the
 page that it is given has any), toml and json are read here, and of cmake the
 targets are there. Of command lines, in indented blocks and between
 backquotes: programs, their flags, scripts and presets are there. Every program
-is in the tables of README.md and apps/README.md. CITATION.cff has the project's
-version.
+is in the tables of README.md and apps/README.md. Files that have to name the
+version themselves have the one that CMakeLists.txt sets.
 
 Prints `file:line: what, and what was expected` for each that is not so and
 exits 1.
@@ -28,6 +28,15 @@ import tomllib
 CPP_PAGES = ["README.md", "pinode/README.md"]
 # The one whose MATLAB tests/programs/octave_test.sh runs.
 MATLAB_PAGE = "pinode/matlab.md"
+
+# The project's version is set in CMakeLists.txt. The formats of these files have it
+# once more.
+VERSIONS = {
+    "CITATION.cff": r"^version: (\S+)",
+    "pinode/cmake/conda/meta.yaml": r'set version = "(.*?)"',
+    "pinode/cmake/vcpkg/vcpkg.json": r'^  "version": "(.*?)"',
+    "CHANGELOG.md": r"^## (\d\S*)",
+}
 
 FENCE = re.compile(r"^ *```(\S*)")
 LINK = re.compile(r"(?<!\\)\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)")
@@ -130,7 +139,7 @@ class Checker:
 
     def run(self):
         self.programs()
-        self.citation()
+        self.versions()
         for page in self.pages.values():
             self.checked["notebooks"] += page.path.suffix == ".ipynb"
             for line, language, text in page.blocks:
@@ -153,12 +162,13 @@ class Checker:
                 if not any(re.match(rf"\| `{program}[` ]", text) for _, text in page.text):
                     self.fail(page, 1, f"{program} is in no table")
 
-    def citation(self):
-        """CITATION.cff names the version that CMake builds."""
+    def versions(self):
+        """No file names another version than the one that CMake builds."""
         version = re.search(r"project\(pinode VERSION (\S+)", (self.root / "CMakeLists.txt").read_text())[1]
-        cited = re.search(r"^version: (\S+)", (self.root / "CITATION.cff").read_text(), re.M)[1]
-        if cited != version:
-            self.failures.append(f"CITATION.cff: version {cited}, expected {version}")
+        for name, pattern in VERSIONS.items():
+            named = re.search(pattern, (self.root / name).read_text(), re.M)
+            if named is None or named[1] != version:
+                self.failures.append(f"{name}: version {named and named[1]}, expected {version}")
 
     def link(self, page, line, target):
         if re.match(r"https?://", target):
