@@ -186,7 +186,7 @@ def strong_motion_files(folder):
     write(folder, "csmip.v1",
           csmip_raw_channel(1, 360) + csmip_raw_channel(2, 90))
     write(folder, "film.raw", csmip_film())
-    # Of another centre, which writes the channel in another way.
+    # Another centre writes the channel in another way.
     write(folder, "cosmos.v1", "".join(
         cosmos_section(number, "acceleration", "acceleration", "cm/sec2(04)",
                        100).replace(f"Sta Chan {number:3d}:270 deg",
