@@ -87,8 +87,8 @@ bool ConvertToUtf8(const std::string& encoding, std::string* text,
                                 : Utf16WithoutMark(*text);
   if (found->empty() && text->find('\0') != std::string::npos) {
     *error =
-        "holds zero bytes, as binary files do; expected text, or an extension "
-        "that tells the format (.mat, .npy, .npz, .h5, .uff, .unv, .at2)";
+        "is a binary file; expected text, or an extension of a known format "
+        "(.mat, .npy, .npz, .h5, .uff, .unv, .at2)";
     return false;
   }
   if (found->empty() || *found == "UTF-8") {

@@ -50,7 +50,7 @@ TEST(TextEncodingTest, RefusesWhatIsNoText) {
   bool is_guess = false;
   std::string text("a\0b,c\nd\n", 8);
   EXPECT_FALSE(ConvertToUtf8("", &text, &found, &is_guess, &error));
-  EXPECT_THAT(error, HasSubstr("zero bytes"));
+  EXPECT_THAT(error, HasSubstr("is a binary file"));
   text = "a\n\xFF\n";
   EXPECT_FALSE(ConvertToUtf8("UTF-8", &text, &found, &is_guess, &error));
   EXPECT_THAT(error, HasSubstr("line 2"));

@@ -177,7 +177,7 @@ bool CandidateLibrary::Evaluate(const Matrix& features, Matrix* theta,
       if (!std::isfinite(values(i, j))) {
         *error = "candidate '" + function(j).text() + "' is not finite at " +
                  "sample " + std::to_string(i + 1) + ", expected a function " +
-                 "that is defined wherever the record goes";
+                 "that is defined for the whole record";
         return false;
       }
     }

@@ -112,7 +112,7 @@ bool CoefficientMap::Create(
       }
       if (equal[static_cast<size_t>(j)]) {
         *error = "constraint: '" + name +
-                 "' stands in two equalities, or twice in one; expected one";
+                 "' is in two equalities, or twice in one; expected once";
         return false;
       }
       equal[static_cast<size_t>(j)] = true;

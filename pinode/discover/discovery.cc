@@ -73,7 +73,7 @@ bool FindEquationsOf(const StructuralDynamics& dynamics, size_t j,
     equation.scale = ScaleOf(term.outputs.col(o), cause);
     if (!(equation.scale > 0.0) || !std::isfinite(equation.scale)) {
       *error = "output '" + equation.output + "' of network '" + term.name +
-               "' acts where nothing moves in the training records";
+               "' acts at a place that does not move in the training records";
       return false;
     }
     equation.uncertainty = data.uncertainty[j][o] / equation.scale;
@@ -107,8 +107,7 @@ bool CheckOptions(const StructuralDynamics& dynamics,
   if (!options.IsValid(error)) return false;
   if (dynamics.networks().empty()) {
     *error =
-        "the model has no network, expected one that says where terms are "
-        "looked for";
+        "the model has no network; a network must say where to look for terms";
     return false;
   }
   for (const DiscoveryOptions::Output& output : options.outputs) {
@@ -131,15 +130,15 @@ bool CheckForRecords(const StructuralDynamics& dynamics,
                      const DiscoveryOptions& options, std::string* error) {
   if (dynamics.num_internal() > 0) {
     *error =
-        "elements with internal states are not seen in records, expected none "
-        "with source = \"derivatives\"";
+        "records do not show internal states of elements; leave such elements "
+        "out with source = \"derivatives\"";
     return false;
   }
   if (!options.networks.empty() &&
       options.networks.size() < dynamics.networks().size()) {
     *error =
-        "all networks are replaced at once with source = \"derivatives\": "
-        "none of them is trained";
+        "source = \"derivatives\" replaces all networks at once, because none "
+        "of them is trained";
     return false;
   }
   return true;
@@ -182,8 +181,9 @@ bool DiscoveryOptions::IsValid(std::string* error) const {
   for (const Output& output : outputs) {
     for (const CoefficientConstraint& constraint : output.constraints) {
       if (constraint.kind == CoefficientConstraint::Kind::kEqual) {
-        return fail("output '" + output.name +
-                    "': equal coefficients are not among the conditions here");
+        return fail(
+            "output '" + output.name +
+            "': equal coefficients are not possible as conditions here");
       }
     }
   }

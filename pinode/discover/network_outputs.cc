@@ -138,9 +138,9 @@ bool SolveForOutputs(const StructuralDynamics& dynamics,
   const Eigen::ColPivHouseholderQR<Matrix> qr(map);
   if (qr.rank() < map.cols()) {
     *error = "the networks have " + std::to_string(map.cols()) +
-             " outputs, of which accelerations tell " +
+             " outputs, but accelerations determine only " +
              std::to_string(qr.rank()) +
-             " apart, expected not more with source = \"derivatives\"";
+             ", expected not more with source = \"derivatives\"";
     return false;
   }
   const Matrix inverse = qr.solve(Matrix::Identity(n, n));

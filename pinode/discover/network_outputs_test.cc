@@ -106,7 +106,7 @@ TEST_F(OutputsOfNetworks, MissingInTheRecords) {
 TEST_F(OutputsOfNetworks, AccelerationsMustTellThemApart) {
   MakeProblem(2);
   EXPECT_FALSE(OutputsFromRecords(problem_, &outputs_, &model_, &error_));
-  EXPECT_THAT(error_, HasSubstr("the networks have 2 outputs, of which"));
+  EXPECT_THAT(error_, HasSubstr("the networks have 2 outputs, but"));
 }
 
 }  // namespace

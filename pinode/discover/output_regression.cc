@@ -81,9 +81,8 @@ class OutputRegression {
     }
     if (kept.empty()) {
       *error =
-          "the network has no slope at rest, and the library holds nothing but "
-          "its inputs as they stand; expected a polynomial_degree above 1 or "
-          "further functions";
+          "the network has no slope at rest, but the library has only linear "
+          "terms; set polynomial_degree above 1 or add functions";
       return false;
     }
     regression.theta = theta(Eigen::all, kept);

@@ -276,10 +276,9 @@ bool SmoothMotion(double step, const std::vector<MotionChannel>& channels,
   CHECK_GT(step, 0.0);
   const double unit = DisplacementUnit(channels);
   if (!(unit > 0.0)) {
-    *error =
-        "no displacement channel of at least " +
-        std::to_string(kFewestSamples) +
-        " values that are not all zero, without which the displacement is open";
+    *error = "it has no displacement channel with at least " +
+             std::to_string(kFewestSamples) +
+             " values that are not all zero, so its displacement is unknown";
     return false;
   }
   const double units[] = {unit, unit / step, unit / (step * step)};

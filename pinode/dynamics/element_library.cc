@@ -38,7 +38,7 @@ bool IsSound(const ElementLibrary::Element& element, std::string* error) {
         std::count_if(element.parameters.begin(), element.parameters.end(),
                       same) != 1) {
       *error = where + "has a parameter '" + parameter.name +
-               "', expected a name of its own and limits";
+               "', expected a unique name and limits";
       return false;
     }
   }

@@ -176,7 +176,7 @@ TEST(ElementLibrary, DescribesWhatItsLawsTake) {
   EXPECT_TRUE(library.IsValid(&error)) << error;
   EXPECT_THAT(WhyNotValid({{"k", 1, -1, 0}}),
               HasSubstr("'spring' has 2 parameters and describes 1"));
-  const std::string own = "expected a name of its own and limits";
+  const std::string own = "expected a unique name and limits";
   EXPECT_THAT(WhyNotValid({{"k", 1, -1, 0}, {"k", 1, -1, 1}}), HasSubstr(own));
   EXPECT_THAT(WhyNotValid({{"k", 1, -1, 0}, {"", 1, -1, 1}}), HasSubstr(own));
   EXPECT_THAT(WhyNotValid({{"k", 1, -1, 0}, {"c", 1, -1, 1, 2.0, 1.0}}),

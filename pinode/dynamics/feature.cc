@@ -93,7 +93,7 @@ bool FeaturesExist(const std::string& name,
                    int num_inputs, std::string* error) {
   for (const Feature& feature : features) {
     if (!feature.Exists(num_dofs, num_inputs)) {
-      *error = "'" + name + "' looks at a DOF or an input that does not exist";
+      *error = "'" + name + "' uses a DOF or an input that does not exist";
       return false;
     }
   }

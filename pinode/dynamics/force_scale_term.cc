@@ -32,15 +32,15 @@ class ForceScaleDynamics final
     if (term.parameters.size() != 1) {
       *error = "'" + term.name + "' has " +
                std::to_string(term.parameters.size()) +
-               " parameters, expected its scale alone";
+               " parameters, expected only its scale";
       return false;
     }
     for (size_t i = 0; i < term.forces.size(); ++i) {
       const ForceScaleTerm::Force& force = term.forces[i];
       if (force.input >= num_inputs || force.record_switch < -1 ||
           force.record_switch >= num_inputs || dofs_[i] >= model.num_dofs()) {
-        *error = "'" + term.name +
-                 "' looks at an input or a DOF that does not exist";
+        *error =
+            "'" + term.name + "' uses an input or a DOF that does not exist";
         return false;
       }
     }
@@ -139,7 +139,7 @@ std::unique_ptr<Term> MakeTerm(ForceScaleTerm scale,
         inputs[static_cast<size_t>(force.input)].kind !=
             InputSpec::Kind::kForce) {
       *error = "'" + scale.name + "' is the scale of input " +
-               std::to_string(force.input) + ", which is no measured force";
+               std::to_string(force.input) + ", which is not a measured force";
       return nullptr;
     }
     dofs.push_back(inputs[static_cast<size_t>(force.input)].index);

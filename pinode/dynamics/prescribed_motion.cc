@@ -75,8 +75,8 @@ bool ArePrescribable(const StructuralModel& model,
     coupling[p.dof] = 0.0;
     if (!coupling.isZero(0.0)) {
       *error = "the motion of DOF " + name +
-               " is prescribed, but the mass matrix couples it to others; "
-               "expected a mass of its own (lumped), or a ground motion";
+               " is prescribed, but the mass matrix couples it to others; give "
+               "it a lumped mass, or use a ground motion";
       return false;
     }
   }

@@ -50,7 +50,7 @@ TEST(PrescribedMotion, IsRefusedWhereItIsNotWhole) {
   EXPECT_THAT(error, HasSubstr("given twice"));
   model.mass(0, 1) = model.mass(1, 0) = 0.1;
   EXPECT_FALSE(LinearDynamics::IsValid(model, MotionOf(1), &error));
-  EXPECT_THAT(error, HasSubstr("a mass of its own"));
+  EXPECT_THAT(error, HasSubstr("a lumped mass"));
 }
 
 TEST(PrescribedMotion, KeepsItsMass) {

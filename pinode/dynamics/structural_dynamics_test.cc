@@ -177,17 +177,18 @@ TEST(StructuralDynamics, RefusesTermsThatDoNotFit) {
   force.input = 0;
   refused(dynamics.AddUnknownForce(force, &error), "does not exist");
   ForceScaleTerm scale = all->force_scales()[0];
-  refused(dynamics.AddForceScale(scale, &error), "which is no measured force");
+  refused(dynamics.AddForceScale(scale, &error),
+          "which is not a measured force");
   StructuralDynamics driven(all->model(), all->inputs());
   scale.forces = {};
   refused(driven.AddForceScale(scale, &error), "the scale of no force");
   scale.forces = {{0, -1}};
-  refused(driven.AddForceScale(scale, &error), "which is no measured force");
+  refused(driven.AddForceScale(scale, &error), "which is not a measured force");
   scale.forces = {{1, 3}};
   refused(driven.AddForceScale(scale, &error), "does not exist");
   scale.forces = {{1, -1}};
   scale.parameters.parameters.clear();
-  refused(driven.AddForceScale(scale, &error), "expected its scale alone");
+  refused(driven.AddForceScale(scale, &error), "expected only its scale");
   refused(dynamics.AddElement("e", "cubick", -1, 0, {1.0}, &error), "cubic");
   refused(dynamics.AddElement("e", "cubic", 0, 0, {1.0}, &error),
           "its ends are");

@@ -40,7 +40,7 @@ class UnknownForceDynamics final
       return false;
     }
     if (term.input < -1 || term.input >= num_inputs) {
-      *error = "'" + term.name + "' looks at an input that does not exist";
+      *error = "'" + term.name + "' uses an input that does not exist";
       return false;
     }
     if (!term.prior.IsValid(term.parameters.size(), num_free(), error)) {

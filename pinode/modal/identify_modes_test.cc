@@ -200,7 +200,7 @@ TEST(IdentifyModesTest, FaultsOfChannelsAreNamed) {
   }
   const std::vector<std::string> faults = FindChannelFaults(record);
   ASSERT_THAT(faults, SizeIs(3));
-  EXPECT_THAT(faults[0], HasSubstr("'u2' is channel 'u1' once more"));
+  EXPECT_THAT(faults[0], HasSubstr("'u2' is channel 'u1' again"));
   EXPECT_THAT(faults[1], HasSubstr("'u3' is clipped"));
   EXPECT_THAT(faults[2], HasSubstr("'u4' repeats itself"));
   EXPECT_THAT(

@@ -40,7 +40,7 @@ std::unique_ptr<MpiCommunicator> MpiCommunicator::Begin(const Options& options,
       MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0,
                           MPI_INFO_NULL, &local) != MPI_SUCCESS ||
       MPI_Comm_size(local, &result->num_local_ranks_) != MPI_SUCCESS) {
-    *error = "MPI does not say which rank this is";
+    *error = "MPI does not give the rank";
     result->failed_ = true;
     return nullptr;
   }

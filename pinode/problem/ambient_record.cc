@@ -41,14 +41,14 @@ std::string WhatIsWrongWithInputs(const AmbientRecord& record,
       measured.num_samples() != record.samples.cols() ||
       measured.step() != record.sampling_step ||
       !measured.samples().allFinite()) {
-    return "what was measured beside its channels needs a finite row for each "
-           "input of the model, at the samples of its channels";
+    return "its measured inputs need a finite row for each input of the model, "
+           "with the samples of its channels";
   }
   if (record.HasMeasuredLoads(dynamics) &&
       !record.AveragedDynamics(dynamics).IsLinear()) {
-    return "its measured loads ask for a linear model, and this one has more "
-           "than constant matrices (laws, networks, unknown scales of "
-           "forces); leave out its measured loads, or what is not linear";
+    return "measured loads need a linear model with constant matrices, but "
+           "this one has laws, networks or unknown scales; leave out these or "
+           "the loads";
   }
   return {};
 }
@@ -148,8 +148,7 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
           values, samples.row(static_cast<Eigen::Index>(other)));
       if (1.0 - correlation * correlation < kCopy) {
         return fail(where + "is channel '" + channels[other].name +
-                    "' once more, expected sensors with a noise of their own; "
-                    "leave one of the two out");
+                    "' again; leave one of the two out");
       }
     }
   }
@@ -159,9 +158,9 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
   if (in_common < kLeastInCommon) {
     return fail("its channels have gaps at different times, and only " +
                 FormatNumber(100.0 * in_common, 2) +
-                " % of it is free of them, expected " +
+                " % of the record is free of gaps, expected " +
                 FormatNumber(100.0 * kLeastInCommon, 2) +
-                " % and more; leave out the channels with the most gaps");
+                " % and more; leave out the channels with most gaps");
   }
   if (loads.size() > 0 &&
       (loads.rows() != dofs || !loads.allFinite() ||
@@ -199,7 +198,8 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
     return fail("its band must lie between zero and half the sampling rate");
   }
   if (!dynamics.prescribed().empty()) {
-    return fail("motions of the model are prescribed, which it does not have");
+    return fail(
+        "the model has prescribed motions, but the record does not have them");
   }
   const double cycles = LowestModeInBand(dynamics) *
                         static_cast<double>(samples.cols()) * sampling_step;

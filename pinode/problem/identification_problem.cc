@@ -28,7 +28,7 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
       continue;
     }
     *error =
-        "modes and ambient records tell of groups alone: '" + block.name +
+        "modes and ambient records determine only groups: '" + block.name +
         "' cannot be free without a training record" +
         (kind == TermKind::kGroupCurve ? ", or covariates of the measured modes"
                                        : "");
@@ -36,9 +36,8 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
   }
   if (HasFree(problem.sensors)) {
     *error =
-        "modes and ambient records tell of groups alone: sensors cannot be "
-        "free without a "
-        "training record";
+        "modes and ambient records determine only groups: sensors cannot be "
+        "free without a training record";
     return false;
   }
   return true;

@@ -75,8 +75,8 @@ std::string WhyNoFrequencyShapeCovariance(const MeasuredMode& mode) {
   const Vector share = shared / mode.frequency_sigma;
   if (!IsCovariance(mode.shape_covariance - share * share.transpose(),
                     mode.shape.size())) {
-    return "the covariance of frequency and shape is more than their own "
-           "allow: all three together must be positive definite";
+    return "the covariance of frequency and shape is too large: with their own "
+           "it must be positive definite";
   }
   return "";
 }
@@ -130,11 +130,11 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
       return false;
     }
     if (dynamic && mode.frequency_sigma > 0.0) {
-      *error = where + "the dynamic residual takes a weight, no sigma";
+      *error = where + "the dynamic residual needs a weight and no sigma";
       return false;
     }
     if (form != ModalForm::kEigenvectorDifference && mode.HasShapeSigma()) {
-      *error = where + "the sigma of a shape is for the eigenvector difference";
+      *error = where + "the sigma of a shape needs the eigenvector difference";
       return false;
     }
     if (mode.shape.size() != static_cast<Eigen::Index>(mode.dofs.size()) ||
@@ -173,7 +173,7 @@ bool ModalData::IsValid(int num_dofs, std::string* error) const {
       return false;
     }
     if (!dynamic && dofs.size() < 2) {
-      *error = where + "a shape at one DOF says nothing; leave it out";
+      *error = where + "a shape needs at least two DOFs; leave this one out";
       return false;
     }
   }

@@ -228,7 +228,7 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
          d->modes[0].shape_covariance = Matrix::Identity(2, 2);
          d->modes[0].frequency_sigma = 1.0;
        },
-       "more than their own allow"},
+       "too large: with their own"},
   };
   ModalData good;
   good.modes = {testing::MakeMeasuredMode(1.0, {0, 2}, {1.0, 0.5})};

@@ -160,7 +160,7 @@ TEST(SampleFaults, NamesAColumnTakenTwice) {
   signals.push_back(signals[1]);
   signals[2].label = "channel a2";
   EXPECT_THAT(FaultsOf(signals),
-              ElementsAre(HasSubstr("channel a2: is channel a1 once more")));
+              ElementsAre(HasSubstr("channel a2: is channel a1 again")));
 }
 
 // No false alarms on a shake table and its frames.

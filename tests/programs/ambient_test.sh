@@ -40,7 +40,7 @@ Spoil dead '$2 = 0.25'
 Refused "channel 'a2': it has the same value in every sample" --case=dead.toml \
   --output_dir=E
 Spoil copied '$3 = -2 * $1'
-Refused "channel 'a3' is channel 'a1' once more" --case=copied.toml \
+Refused "channel 'a3' is channel 'a1' again" --case=copied.toml \
   --output_dir=E
 tested=pinode_modes
 {
@@ -69,7 +69,7 @@ for state in clipped stuck; do
     Fail "nothing of a channel that is $state"
 done
 Run 0 pinode_modes --case=copied.toml --output_dir=modes_copied
-grep -q "Channel 'u3' is channel 'u1' once more" stdout || Fail "not copied"
+grep -q "Channel 'u3' is channel 'u1' again" stdout || Fail "not copied"
 
 # Two loggers of differing rates, one after the other: each record has lines of
 # its own, and together they say what the whole record says.

@@ -100,7 +100,7 @@ class Walker {
     const size_t length = WordAt(*rest, 4);
     const size_t taken = padded ? (length + 7) / 8 * 8 : length;
     if (taken > rest->size() - 8) {
-      return Fail("an element is longer than what is left of the file");
+      return Fail("an element is longer than the rest of the file");
     }
     element->type = first;
     element->data = rest->substr(8, length);
@@ -110,7 +110,7 @@ class Walker {
 
   bool WalkVariable(const Element& element) {
     if (element.type != kMatrix || element.data.empty()) {
-      return Fail("an element is no variable");
+      return Fail("an element is not a variable");
     }
     return WalkMatrix(element.data, 0);
   }
@@ -164,7 +164,9 @@ class Walker {
     }
     if (kind < kClassDouble || kind > kClassUint64) {
       return IsContainerWhole(kind, count, parts) ||
-             Fail("a variable has not as many parts as its dimensions say");
+             Fail(
+                 "a variable has another number of parts than its dimensions "
+                 "say");
     }
     if (parts.size() != 3 + numeric_parts) {
       return Fail("an array lacks its numbers");
@@ -173,7 +175,8 @@ class Walker {
       const size_t size = TypeSize(parts[i].type);
       if (size == 0 || static_cast<double>(parts[i].data.size()) !=
                            count * static_cast<double>(size)) {
-        return Fail("an array has not as many numbers as its dimensions say");
+        return Fail(
+            "an array has another number of values than its dimensions say");
       }
     }
     return true;

@@ -108,7 +108,7 @@ NumpyArrayKind ParseHeader(const std::string& bytes, NumpyArray* array,
   constexpr std::string_view kMagic = "\x93NUMPY";
   const std::string_view view = bytes;
   if (view.size() < 10 || view.substr(0, kMagic.size()) != kMagic) {
-    *what = "is no NumPy array, and its first bytes were expected to say so";
+    *what = "is not a NumPy array, because its first bytes are wrong";
     return NumpyArrayKind::kBroken;
   }
   const auto byte_at = [&view](size_t i) {

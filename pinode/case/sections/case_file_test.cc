@@ -405,8 +405,8 @@ TEST(CaseFileTest, IntegratesLinearModelsExactly) {
   Case c;
   std::string error;
   EXPECT_FALSE(ReadCase(with("integrator = \"exact\"", spring), &c, &error));
-  EXPECT_THAT(error, HasSubstr("integrator = \"exact\" is for models that are "
-                               "linear with constant matrices"));
+  EXPECT_THAT(error, HasSubstr("integrator = \"exact\" needs a linear model "
+                               "with constant matrices"));
   EXPECT_FALSE(ReadCase(with("integrator = \"euler\"", ""), &c, &error));
   EXPECT_THAT(error, HasSubstr("euler"));
 }

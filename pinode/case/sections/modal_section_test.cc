@@ -95,7 +95,7 @@ TEST(ModalSection, CovarianceOfFrequencyAndShape) {
   EXPECT_THAT(read("frequency_shape_covariance = [1e-4]").error,
               HasSubstr("entry of the shape"));
   EXPECT_THAT(read("frequency_shape_covariance = [3e-4, 0]").error,
-              HasSubstr("more than their own allow"));
+              HasSubstr("covariance of frequency and shape is too large"));
   EXPECT_THAT(
       ReadText(Replaced(Modes(), "shape_sigma = 0.02",
                         "shape_sigma = 0.02\n"
@@ -172,7 +172,7 @@ TEST(ModalSection, ReadsShapesFromAFile) {
   result = ReadText(
       Replaced(Modes(), from, "shape = \"shapes.csv\"\nshape_row = 2"));
   EXPECT_FALSE(result.ok);
-  EXPECT_THAT(result.error, HasSubstr("a shape at one DOF"));
+  EXPECT_THAT(result.error, HasSubstr("a shape needs at least two DOFs"));
 }
 
 TEST(ModalSection, RefusesWhatDoesNotBelong) {

@@ -274,11 +274,11 @@ TEST(AmbientMeanTest, SaysWhatIsWrong) {
   problem.ambient[0].inputs.emplace(0.0, 0.004, force.leftCols(100).eval(),
                                     Interpolation::kHeld);
   EXPECT_FALSE(problem.IsValid(&error));
-  EXPECT_THAT(error, HasSubstr("needs a finite row for each input"));
+  EXPECT_THAT(error, HasSubstr("need a finite row for each input"));
   force(0, 3) = kNaN;
   problem.ambient[0].inputs.emplace(0.0, 0.004, force, Interpolation::kHeld);
   EXPECT_FALSE(problem.IsValid(&error));
-  EXPECT_THAT(error, HasSubstr("needs a finite row for each input"));
+  EXPECT_THAT(error, HasSubstr("need a finite row for each input"));
 
   auto with_law = std::make_shared<StructuralDynamics>(*problem.dynamics);
   ASSERT_TRUE(
@@ -287,7 +287,7 @@ TEST(AmbientMeanTest, SaysWhatIsWrong) {
   problem.dynamics = with_law;
   problem.ambient[0] = good;
   EXPECT_FALSE(problem.IsValid(&error));
-  EXPECT_THAT(error, HasSubstr("ask for a linear model"));
+  EXPECT_THAT(error, HasSubstr("need a linear model"));
 }
 
 }  // namespace

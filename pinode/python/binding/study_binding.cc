@@ -96,7 +96,7 @@ std::shared_ptr<Fit> AnalyseCase(const CaseHandle& handle, const Fit* given,
   fit->c = given != nullptr ? given->c : handle.c;
   SetThreads(request, &fit->c);
   if (FreeGroups(*fit->c.problem.dynamics).empty()) {
-    throw Error("no group is free, expected those whose change is asked for");
+    throw Error("no group is free; free the groups that may have changed");
   }
   const std::vector<Baseline> healthy = ReadBaselines(baselines, fit->c);
   const bool is_fitted = given != nullptr;

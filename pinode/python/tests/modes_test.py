@@ -303,7 +303,7 @@ def test_harmonics_are_kept_or_left_out(rows):
     without = pinode.identify_modes(shaken, step=STEP)
     (harmonic,) = [m for m in without if m["is_harmonic"]]
     assert harmonic["frequency_hz"] == pytest.approx(8.0, abs=0.01)
-    assert any("Set harmonics=True" in remark for remark in without.remarks)
+    assert any("set harmonics=True" in remark for remark in without.remarks)
     assert not any("[modes]" in remark for remark in without.remarks)
     kept = pinode.identify_modes(shaken, step=STEP, harmonics=True)
     counts = [len(found.for_case()) for found in (without, kept)]

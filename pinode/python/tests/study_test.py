@@ -165,7 +165,7 @@ def test_baselines_are_of_the_same_structure(healthy, damaged, baseline):
     # The same groups of another nominal structure: a tenth of k1 is not there.
     with pytest.raises(pinode.Error, match=r"have 0\.1 times group 'k1' more"):
         other(frame_testing.STIFFNESS - 0.1 * first, conftest.groups()).damage([baseline])
-    with pytest.raises(pinode.Error, match="one and the same result"):
+    with pytest.raises(pinode.Error, match="the same result"):
         damaged.damage([baseline, baseline])
 
 

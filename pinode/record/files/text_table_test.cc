@@ -195,7 +195,7 @@ TEST(TextTableTest, FaultsNameTheLine) {
   EXPECT_THAT(ErrorOf(std::string("t,a\n0,\0"
                                   "1\n",
                                   9)),
-              HasSubstr("zero bytes"));
+              HasSubstr("is a binary file"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("is empty"));
   EXPECT_THAT(ErrorOf("no numbers\nat all\n"), HasSubstr("`delimiter`"));
   EXPECT_THAT(ErrorOf("t;a\n0,0;1,5;3,0\n0,1;2,5;4,0\n"),

@@ -269,7 +269,7 @@ TEST_F(FiniteElementFilesTest, MatlabFilesThatPromiseTooMuchAreRefused) {
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_types.mat"), false)),
               HasSubstr("a sparse matrix lacks its indices or numbers"));
   EXPECT_THAT(ErrorOf(OneFile(Sample("mat/found_empty_variable.mat"), false)),
-              HasSubstr("an element is no variable"));
+              HasSubstr("an element is not a variable"));
   TemporaryFolder folder;
   const std::string content = FileContent(Sample("mat/workspace.mat"));
   // Beginning of an array. Its class (the rows of a sparse one cost nothing)

@@ -179,7 +179,7 @@ bool AreDifferentResults(const std::vector<Baseline>& baselines,
       }
       *error = "baselines '" + baselines[j].name + "' and '" +
                baselines[i].name +
-               "' are one and the same result, expected one of each record";
+               "' are the same result, expected one result per record";
       return false;
     }
   }
@@ -202,8 +202,9 @@ bool AreBaselinesOf(const StructuralDynamics& dynamics,
     if (state.values.size() != size || state.covariance.rows() != size ||
         state.covariance.cols() != size || !state.values.allFinite() ||
         !state.covariance.allFinite()) {
-      *error = "baseline '" + baseline.name +
-               "' has not a finite value and covariance of every group";
+      *error =
+          "baseline '" + baseline.name +
+          "' has no finite value and covariance for every group; fit it again";
       return false;
     }
     const std::map<std::string, std::string> texts = FollowingTexts(dynamics);
@@ -227,8 +228,8 @@ bool AreBaselinesOf(const StructuralDynamics& dynamics,
          all.covariance.cols() != with_followers || !all.values.allFinite() ||
          !all.covariance.allFinite())) {
       *error = "baseline '" + baseline.name +
-               "' has not a finite value and covariance of what follows "
-               "covariates";
+               "' has no finite value and covariance of the coefficients of "
+               "covariates; fit it again";
       return false;
     }
   }

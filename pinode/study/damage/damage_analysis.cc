@@ -601,7 +601,7 @@ bool CheckInput(const IdentificationProblem& problem,
   }
   const std::vector<std::string> groups = FreeGroups(*problem.dynamics);
   if (groups.empty()) {
-    *error = "no group is free, expected those whose change is asked for";
+    *error = "no group is free; free the groups that may have changed";
     return false;
   }
   return AreBaselinesOf(*problem.dynamics, baselines, error);

@@ -51,15 +51,14 @@ bool DamageSearch::IsValid(const StructuralModel& model,
   for (const MassPlace& place : masses) {
     if (place.dofs.empty() ||
         !std::all_of(place.dofs.begin(), place.dofs.end(), is_dof)) {
-      *error = "the place of a mass '" + place.name +
-               "' has no DOF, or one that the model does not have";
+      *error = "the place of mass '" + place.name + "' has no DOF of the model";
       return false;
     }
   }
   for (const SpringPlace& place : springs) {
     if (!is_dof(place.to) || place.from == place.to ||
         (place.from != Feature::kGround && !is_dof(place.from))) {
-      *error = "the place of a force '" + place.name +
+      *error = "the place of force '" + place.name +
                "' is not between two DOFs of the model, or a DOF and the "
                "ground";
       return false;

@@ -126,7 +126,7 @@ bool HealthyRecords::StatesNear(const FitOfRecords& of_new,
   if (ranks.size() == 1) return ok;
   if (!ranks.AllTrue(ok)) {
     // A rank whose own states are finite has no message yet.
-    if (ok) *error = "the model with all kinds of change in it is not finite";
+    if (ok) *error = "the model with all kinds of change is not finite";
     return false;
   }
   return ExchangeStates(&ranks, states, error);

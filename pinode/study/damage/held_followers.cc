@@ -125,7 +125,7 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
                       num_threads, &cost) ||
       !InvertInformation(cost.system.hessian(others, others), &root,
                          &null_space, InformationRounding(fit.problem))) {
-    *error = "the model with what follows a covariate free is not finite";
+    *error = "the model with free coefficients of covariates is not finite";
     return false;
   }
   const Matrix slopes =

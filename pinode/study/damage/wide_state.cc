@@ -79,7 +79,7 @@ bool FindStep(const FitOfRecords& fit,
                       num_threads, &cost) ||
       !InvertInformation(cost.system.hessian / cost.memory, &root, &null_space,
                          InformationRounding(step->extended))) {
-    *error = "the model with all kinds of change in it is not finite";
+    *error = "the model with all kinds of change is not finite";
     return false;
   }
   step->covariance = root * root.transpose();

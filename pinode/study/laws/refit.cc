@@ -442,7 +442,9 @@ bool RefitEquations(const IdentificationProblem& problem,
   }
   if (resumed != nullptr) {
     if (resumed->size() != equations.size()) {
-      *error = "the refit that is to go on was of other equations";
+      *error =
+          "the interrupted refit had other equations; give --overwrite to "
+          "begin again";
       return false;
     }
     if (!AreEquationsOf(problem, *resumed, error)) return false;

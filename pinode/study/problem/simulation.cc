@@ -22,9 +22,9 @@ Vector ResponseStart(const IdentificationProblem& problem, int r,
   if (record.excitation->periodic()) {
     Vector start;
     if (FindSteadyState(problem, r, parameters, &start)) return start;
-    *remark = "no steady state was found, simulated from rest";
+    *remark = "no steady state was found, so it is simulated from rest";
   } else if (record.start == IdentificationRecord::Start::kFree) {
-    *remark = "its start is unknown, simulated from rest";
+    *remark = "its start is unknown, so it is simulated from rest";
   }
   return Vector::Zero(problem.dynamics->num_states());
 }

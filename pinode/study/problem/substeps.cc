@@ -148,9 +148,9 @@ bool TooCoarse(double needed, const StabilityReport& stability,
   *error = "its sampling is too coarse for the model's highest mode (" +
            FormatNumber(stability.largest_eigenvalue, 4) +
            " rad per unit of time): " + FormatNumber(needed, 4) +
-           " Runge-Kutta steps per sample would be needed, at most " +
+           " Runge-Kutta steps per sample would be needed, but at most " +
            std::to_string(kMaxSubsteps) +
-           " are taken; condense the model to fewer degrees of freedom, or "
+           " are possible; condense the model to fewer degrees of freedom, or "
            "check its units";
   return false;
 }
@@ -328,9 +328,9 @@ bool SetExponentialSteps(const StructuralDynamics& dynamics,
   record->exponential_steps = 0;
   if (asked && !suits) {
     *error =
-        "integrator = \"exponential\" is for models of groups that follow "
-        "nothing, and elements or libraries; without these it is exact, with "
-        "other terms there is rk4";
+        "integrator = \"exponential\" needs elements or libraries, and groups "
+        "that follow nothing. Without elements use \"exact\", with other terms "
+        "\"rk4\"";
     return false;
   }
   if (!suits || (!asked && (given > 0 || record->integrator.has_value()))) {
@@ -354,8 +354,8 @@ bool SetExponentialSteps(const StructuralDynamics& dynamics,
         ChooseExponentialSteps(dynamics, ideal, most, &found);
     if (asked && record->exponential_steps == 0) {
       *error =
-          "no free run of the model as it is says how many exponential steps "
-          "a sample need; give substeps";
+          "the initial model has no finite simulation to choose the number of "
+          "exponential steps; give substeps";
       return false;
     }
   }
@@ -476,9 +476,9 @@ bool SetSubsteps(IdentificationProblem* problem,
     } else if (record.integrator == Integrator::kExact &&
                choice.integrator != Integrator::kExact) {
       *error =
-          "integrator = \"exact\" is for models that are linear with constant "
-          "matrices: groups that follow nothing, no elements, networks or "
-          "other terms; with elements \"exponential\" is exact for the rest";
+          "integrator = \"exact\" needs a linear model with constant matrices: "
+          "no elements, networks or other terms, and groups that follow "
+          "nothing. With elements use \"exponential\"";
       good = false;
     } else if (choice.integrator == Integrator::kExact) {
       good = StepsBesideTheExactSolution(dynamics, ideal, &choice, error);

@@ -52,8 +52,8 @@ bool SetBasisPoint(const std::vector<GroupAtBasis>& groups,
       static_cast<int>(removed.size()) + structure->model.num_dofs() !=
           num_dofs) {
     *error =
-        "the DOFs that were removed are not those that the model lacks, in the "
-        "export's order";
+        "the removed DOFs are not those that the model lacks, in the order of "
+        "the export";
     return false;
   }
   SparseMatrix mass = structure->exported.mass;
@@ -107,7 +107,9 @@ bool MakeReducedModel(ReducedStructure* structure, StructuralModel* model,
       static_cast<Eigen::Index>(structure->directions.size());
   if (structure->influence.rows() != structure->model.num_dofs() ||
       structure->influence.cols() != num_directions) {
-    *error = "the influence vectors are not one of all DOFs per direction";
+    *error =
+        "the influence vectors do not have one entry per DOF for each "
+        "direction";
     return false;
   }
   StructuralModel result =

@@ -181,7 +181,8 @@ bool MakeLibraryTerm(const LibrarySpec& spec,
   std::vector<std::string> names;
   for (const Feature& feature : spec.features) {
     if (!Exists(feature, dynamics)) {
-      *error = "'" + spec.name + "' looks at what the model does not have";
+      *error =
+          "'" + spec.name + "' uses a quantity that the model does not have";
       return false;
     }
     names.push_back(feature.Name(model.dof_names, input_names));
@@ -206,7 +207,7 @@ bool MakeLibraryTerm(const LibrarySpec& spec,
     result.features = {spec.features[0]};
   }
   if (static_cast<int>(used.size()) > LibraryLaw::kMaxFeatures) {
-    *error = "'" + spec.name + "' looks at " + std::to_string(used.size()) +
+    *error = "'" + spec.name + "' has " + std::to_string(used.size()) +
              " inputs, expected at most " +
              std::to_string(LibraryLaw::kMaxFeatures);
     return false;

@@ -43,7 +43,7 @@ bool IsThere(const StructuralDynamics& dynamics,
   }
   if (!there) {
     *error = "the candidate '" + candidate.name +
-             "' is none of the model's terms, expected one that it has";
+             "' is not a term of the model; name one of its terms";
   }
   return there;
 }
@@ -157,22 +157,22 @@ bool AreCandidatesOf(const IdentificationProblem& problem,
                       return HasParameter(law, name, true);
                     });
     if (!free) {
-      *error = "'" + candidate.name +
-               "' may be left out, but nothing that makes its force is free; "
-               "expected a free coefficient";
+      *error =
+          "'" + candidate.name +
+          "' is optional, but no coefficient of its force is free; free one";
       return false;
     }
   }
   if (problem.num_train_records() == 0) {
     *error =
         "'" + candidates[0].name +
-        "' may be left out, but there is no training record to judge it by";
+        "' is optional, but there is no training record to judge it; add one";
     return false;
   }
   if (ParameterLayout(problem).num_decay_groups() > 0) {
     *error = "'" + candidates[0].name +
-             "' may be left out beside a network, a spline of a force or a "
-             "table of a group, which would make up for it; expected either";
+             "' is optional, but a network, a spline of a force or a table of "
+             "a group can replace it; remove one of them";
     return false;
   }
   return true;

@@ -260,7 +260,7 @@ class Chooser {
       *result = first;
       if (interrupted_) {
         result->summary.termination = Termination::kInterrupted;
-        result->summary.message = "interrupted while terms were chosen";
+        result->summary.message = "interrupted during the choice of terms";
       }
       return true;
     }
@@ -273,7 +273,7 @@ class Chooser {
     inner_.Run("what is left", result->problem, options, &begin,
                &result->summary, &result->model);
     if (result->summary.termination == Termination::kFailure) {
-      *error_ = "the fit of what is left: " + result->summary.message;
+      *error_ = "the fit without the dropped terms: " + result->summary.message;
       return false;
     }
     if (result->summary.termination == Termination::kInterrupted) {

@@ -314,14 +314,14 @@ TEST_F(TermChoiceTest, RefusesCandidatesThatCannotBeChosen) {
   ModelCandidate other = candidates_[0];
   other.name = other.law = "other";
   EXPECT_FALSE(AreCandidatesOf(problem_, {other}, &error_));
-  EXPECT_THAT(error_, HasSubstr("'other' is none of the model's terms"));
+  EXPECT_THAT(error_, HasSubstr("'other' is not a term of the model"));
   EXPECT_FALSE(
       AreCandidatesOf(problem_, {candidates_[0], candidates_[0]}, &error_));
   EXPECT_THAT(error_, HasSubstr("'friction' is given twice"));
   ModelCandidate fixed = candidates_[0];
   fixed.amplitudes = {"friction.v0"};
   EXPECT_FALSE(AreCandidatesOf(problem_, {fixed}, &error_));
-  EXPECT_THAT(error_, HasSubstr("nothing that makes its force is free"));
+  EXPECT_THAT(error_, HasSubstr("no coefficient of its force is free"));
   IdentificationProblem untrained = problem_;
   untrained.records[0].role = IdentificationRecord::Role::kHoldout;
   EXPECT_FALSE(AreCandidatesOf(untrained, candidates_, &error_));
