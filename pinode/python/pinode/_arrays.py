@@ -114,8 +114,8 @@ def seconds_of(where: str, values: Any) -> np.ndarray | None:
     if values.dtype.kind in "OU":
         known = next((v for v in values if v is not None and v == v), None)
         if isinstance(known, str):
-            raise Error(f"{where} has texts, expected seconds, or dates as pandas.to_datetime has "
-                        "them")
+            raise Error(f"{where} contains texts, expected seconds or dates (use "
+                        "pandas.to_datetime)")
         kinds = {datetime.datetime: "datetime64[ns]", datetime.timedelta: "timedelta64[ns]"}
         wanted = next((to for kind, to in kinds.items() if isinstance(known, kind)), None)
         if wanted is None:
@@ -128,7 +128,7 @@ def seconds_of(where: str, values: Any) -> np.ndarray | None:
         return None
     there = values[~np.isnat(values)]
     if not len(there):
-        raise Error(f"{where} has no time at all, expected one for each sample")
+        raise Error(f"{where} contains no time, expected one for each sample")
     # Differences may begin anywhere.
     since = values - there[0] if values.dtype.kind == "M" else values
     return since / np.timedelta64(1, "s")

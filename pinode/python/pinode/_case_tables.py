@@ -47,11 +47,11 @@ def check_parts(parts: Mapping[str, Any]) -> None:
         part = parts.get(key)
         if isinstance(part, Mapping):
             raise Error(
-                f"{key} is a {type(part).__name__} by itself, expected a list: {key}=[...]"
+                f"{key} is a single {type(part).__name__}, expected a list: {key}=[...]"
             )
         if isinstance(part, (list, tuple)) and not part:
             raise Error(
-                f"{key} is an empty list, expected one entry at least, or no {key} at all"
+                f"{key} is an empty list, expected at least one entry; otherwise leave out {key}"
             )
         if part is not None and not isinstance(part, (list, tuple)):
             raise Error(f"{key} is {words_of(part)}, expected a list: {key}=[...]")

@@ -104,7 +104,7 @@ def as_number(name: str, value: Any) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise Error(f"{name} is beyond all numbers of a machine, expected a smaller one") from None
+        raise Error(f"{name} is too large for a float, expected a smaller number") from None
 
 
 def as_flag(name: str, value: Any) -> bool:
@@ -143,7 +143,7 @@ def as_folder(output: Any, mat: bool = False) -> str:
     path = as_path("output", output)
     if as_flag("mat", mat) and not path:
         raise Error(
-            "mat=True writes results.mat into the folder of results, and there is "
-            "none; expected output, its path"
+            "mat=True writes results.mat into the folder of results, expected "
+            "output, the path of that folder"
         )
     return path

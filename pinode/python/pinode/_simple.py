@@ -110,8 +110,8 @@ def identify(
     columns = _response(response)
     if ground is None and force is None and start == "rest":
         raise Error(
-            "identify: ground and force are both missing, expected what moved the structure; "
-            "start='free' for a free decay; pinode.identify_modes where no load was measured"
+            "identify: ground and force are both missing, expected one of them. For a free "
+            "decay give start='free'; without a measured load use pinode.identify_modes"
         )
     is_ratio = damping is None or not MATRIX.fits(damping)
     ratio = _RATIO if damping is None else damping
@@ -198,8 +198,8 @@ def _springs(stiffness: np.ndarray, names: list[str]) -> list[Any]:
                     for j in range(i + 1, size)]
     if any(value < -rounding for *_, value in springs):
         raise Error(
-            "identify: groups is missing, expected {name: matrix}, what each member adds to "
-            "stiffness; this stiffness is not one of springs between DOFs"
+            "identify: groups is missing, expected {name: matrix}, the part of each member in "
+            "stiffness, because this stiffness does not consist of springs between DOFs"
         )
     found = []
     for name, i, j, value in springs:

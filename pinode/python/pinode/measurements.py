@@ -120,7 +120,7 @@ def channels(
         array = as_array(values)
     except (TypeError, ValueError):
         raise Error(
-            f"channels '{prefix}': the values are no array, expected samples x channels"
+            f"channels '{prefix}': the values are not an array, expected samples x channels"
         ) from None
     if array.ndim != 2:
         raise Error(
@@ -149,9 +149,9 @@ def channels(
 def _check_quantity(name: str, quantity: str) -> None:
     if quantity == "acceleration":
         raise Error(
-            f"Channel({name!r}): quantity 'acceleration' does not say of what, expected "
-            "'absolute_acceleration', as accelerometers show it, or 'relative_acceleration', "
-            "to the ground"
+            f"Channel({name!r}): quantity 'acceleration' is ambiguous, expected "
+            "'absolute_acceleration' (of accelerometers) or 'relative_acceleration' "
+            "(to the ground)"
         )
     if quantity not in QUANTITIES:
         raise Error(f"Channel({name!r}): quantity is {words_of(quantity)}; "
@@ -232,7 +232,7 @@ class Record(Part):
         time = columns.time(time)
         if columns.has_dates and keys.get("time_unit", "s") != "s":
             raise Error(
-                f"record '{name}': 'time_unit' of dates, which are read in seconds, expected none"
+                f"record '{name}': 'time_unit' is given, but dates need none; leave it out"
             )
         signals: dict[str, list[dict[str, Any]]] = {}
         for key, place, given in (

@@ -79,7 +79,7 @@ class IdentifiedModes(Sequence):
             raise Error(f"other is {words_of(other)}, expected identified modes")
         shared = [place for place in self.places if place in both.places]
         if not shared:
-            raise Error("other has no place in common with these modes, expected one or more")
+            raise Error("other has no place in common with these modes, expected at least one")
         one = np.nan_to_num(self.shapes[[self.places.index(p) for p in shared]])
         two = np.nan_to_num(both.shapes[[both.places.index(p) for p in shared]])
         sizes = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(two) ** 2).sum(axis=0))
@@ -141,7 +141,7 @@ class IdentifiedModes(Sequence):
         mat: True: also writes results.mat, for MATLAB and Octave.
         """
         if self._handle is None:
-            raise Error("modes from a pickle are without their records: save the folder before")
+            raise Error("modes from a pickle have no records; save the folder before pickling")
         self._handle.save(as_path("folder", folder), overwrite, mat)
 
     def plot(self, what: str = "stabilisation", record: str | None = None) -> Any:
@@ -188,7 +188,7 @@ class IdentifiedModes(Sequence):
 
         section = self._structure_html
         if not section:
-            raise Error("nobody knows where the structure is, expected a geometry")
+            raise Error("the structure has no geometry, expected one in the case")
         return StructureView(section)
 
     def __getitem__(self, index: Any) -> Any:
@@ -365,8 +365,8 @@ def _of_data_file(
     title: str,
 ) -> Any:
     path = as_path("records", records)
-    _refuse_given("channels of a data file are called as its columns", {"names": names})
-    _refuse_given("a data file has no loads, and a case says which columns are some",
+    _refuse_given("channels of a data file have the names of its columns", {"names": names})
+    _refuse_given("a data file has no loads (a case can name columns as loads)",
                   {"loads": loads})
     one_name = isinstance(columns, str)
     return _pinode.ModesHandle.read_data(
@@ -447,7 +447,7 @@ def _columns(values: Any) -> np.ndarray:
         values = as_array(values)
     except (TypeError, ValueError):
         raise Error(
-            f"records: a value of type {type(values).__name__} that is no array, expected "
+            f"records: a value of type {type(values).__name__} is not an array, expected "
             "samples x channels"
         ) from None
     return values[:, None] if values.ndim == 1 else values

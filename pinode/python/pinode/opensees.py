@@ -156,7 +156,7 @@ def equation_names(dofs: Mapping[int, Sequence[int]], size: int) -> list[str]:
             names[equation] = names[equation] or f"{node}.{direction}"
     for equation, name in enumerate(names):
         if not name:
-            raise Error(f"equation {equation} is no DOF of a node, expected all in 'dofs'")
+            raise Error(f"equation {equation} is not a DOF of a node, expected all in 'dofs'")
     return names
 
 

@@ -268,7 +268,7 @@ def _model(case: Case, given: Any, output: str) -> Any:
         given = given.path
     folder = as_path("model", given)
     if output and os.path.realpath(output) == os.path.realpath(folder):
-        raise Error("output is the folder of the model, expected another one")
+        raise Error("output is the folder of the model, expected another folder")
     return _pinode.fit_of_folder(case._handle, folder)
 
 

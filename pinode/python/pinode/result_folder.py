@@ -49,14 +49,14 @@ class ResultFolder:
             raise Error(f"{self.path}: cannot be read: {failure.strerror}") from None
         if not there:
             raise Error(
-                f"{self.path}: is no result of pinode, expected a folder with one of "
+                f"{self.path}: is not a result of pinode, expected a folder with one of "
                 + ", ".join(_MAIN_FILES)
             )
         self._file = self.path / there[0]
         schema, self.kind = _MAIN_FILES[self._file.name]
         self.json: dict[str, Any] = _read_json(self._file)
         if not str(self.json.get("schema")).startswith(schema):
-            raise Error(f"{self._file}: is no result of pinode, expected its schema")
+            raise Error(f"{self._file}: is not a result of pinode, expected its schema")
         if self.kind == "fit":
             for name, kind in (("damage.json", "damage"), ("discover.json", "discovery")):
                 if (self.path / name).exists():
@@ -213,7 +213,7 @@ class ResultFolder:
         """Terms of a discovery by output, as in Discovery.equations."""
         found = self.discovery
         if found is None:
-            raise Error(f"{self.path}: holds no discover.json, expected the folder of a discovery")
+            raise Error(f"{self.path}: has no discover.json, expected the folder of a discovery")
         return found["equations"]
 
     @property
@@ -254,9 +254,9 @@ def _read_json(file: Path) -> dict[str, Any]:
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as failure:
-        raise Error(f"{file}: is no result of pinode: {failure}") from None
+        raise Error(f"{file}: is not a result of pinode: {failure}") from None
     if not isinstance(content, dict):
-        raise Error(f"{file}: is no result of pinode, expected its schema")
+        raise Error(f"{file}: is not a result of pinode, expected its schema")
     return content
 
 

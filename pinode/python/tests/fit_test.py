@@ -100,10 +100,10 @@ def test_zero_bytes_do_not_end_a_sentence(healthy):
 
 
 def test_what_is_no_result_is_refused(tmp_path):
-    with pytest.raises(pinode.Error, match="is no result of pinode"):
+    with pytest.raises(pinode.Error, match="is not a result of pinode"):
         pinode.read_result(tmp_path)
     (tmp_path / "result.json").write_text("[1]")
-    with pytest.raises(pinode.Error, match="is no result of pinode"):
+    with pytest.raises(pinode.Error, match="is not a result of pinode"):
         pinode.read_result(tmp_path)
 
 

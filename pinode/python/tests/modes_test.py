@@ -74,7 +74,7 @@ def test_of_wind(rows):
     assert other.for_case()[0]["frequency"] == modes.for_case()[0]["frequency"]
     with pytest.raises(pinode.Error, match="from a pickle"):
         other.save("nowhere")
-    with pytest.raises(pinode.Error, match="expected a geometry"):
+    with pytest.raises(pinode.Error, match="has no geometry"):
         modes.structure()
 
 

@@ -240,7 +240,7 @@ def test_what_does_not_fit_together():
             ((np.diag([1.0, 0.0]), np.zeros((2, 2))), "not held by the stiffness")]:
         with pytest.raises(pinode.Error, match=message):
             opensees.condense(*arguments, dofs=dofs)
-    with pytest.raises(pinode.Error, match="equation 1 is no DOF"):
+    with pytest.raises(pinode.Error, match="equation 1 is not a DOF"):
         opensees.condense(two, two, dofs={1: [0, -1]})
     with pytest.raises(pinode.Error, match="equation 7"):
         opensees.condense(two, two, dofs={1: [0, 7]})

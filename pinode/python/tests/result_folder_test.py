@@ -86,7 +86,7 @@ def test_of_a_fit_and_a_verdict(baseline, damaged, tmp_path):
     baseline.save(tmp_path / "fit")
     fit = pinode.read_result(tmp_path / "fit")
     assert fit.kind == "fit" and fit.damage is None and fit.discovery is None
-    with pytest.raises(pinode.Error, match="holds no discover.json"):
+    with pytest.raises(pinode.Error, match="has no discover.json"):
         fit.equations
     damaged.damage([baseline], output=tmp_path / "damage")
     damage = pinode.read_result(tmp_path / "damage")

@@ -65,7 +65,7 @@ def test_figures(name):
     (lambda: pinode.Case(MODEL, records=[record()], groups=[
         pinode.Group("k1", storey=1)]).damage(3), "baselines"),
     (lambda: pinode.Case(MODEL).replace(records=3), "record"),
-    (lambda: pinode.Case(MODEL, records=record()), r"records is a Record by itself, expected a list"),
+    (lambda: pinode.Case(MODEL, records=record()), r"records is a single Record, expected a list"),
     (lambda: pinode.Case(MODEL).replace(groups={"name": "k"}), "groups is a dict by itself"),
     (lambda: pinode.Model(np.eye(2), np.eye(2), dofs="ab"), "dofs is the text 'ab', expected a list"),
     (lambda: pinode.Group("k", between="u1"), "between is the text 'u1', expected a list"),
