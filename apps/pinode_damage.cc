@@ -42,11 +42,10 @@ DEFINE_string(
     baseline, "",
     "result folders of pinode_update for baseline records of the same "
     "structure, separated by commas");
-DEFINE_double(
-    threshold, 0.05,
-    "smallest loss of stiffness that counts as damage, as a fraction; with "
-    "several baselines a smaller loss also counts if it is larger than "
-    "their scatter");
+DEFINE_double(threshold, 0.05,
+              "smallest loss of stiffness that counts as damage, as a "
+              "fraction; with several baselines, a smaller loss also counts if "
+              "it exceeds their scatter");
 DEFINE_double(false_alarm_rate, 0.05,
               "probability of finding a change if there is none");
 

@@ -65,7 +65,7 @@ TEST(JudgeChange, ASmallSignificantChangeNeedsSeveralHealthyRecords) {
   EXPECT_EQ(several.sentence,
             "Damage: k1 (-3 %) lost stiffness. This is below the threshold of "
             "5 %, but more than the baselines differ from each other.");
-  // Springs of no group are not compared between healthy records.
+  // Springs that are in no group are not compared between healthy records.
   std::vector<ChangeSubject> subjects = kSubjects;
   subjects[0].place = "u1-u2";
   ChangeEstimate estimate;

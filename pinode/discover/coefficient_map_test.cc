@@ -89,9 +89,9 @@ TEST(CoefficientMap, RefusesContradictions) {
           {{Constraint::Equal({"a"})}, "an equality of 1 coefficients"},
           {{Constraint::Equal({"a", "b"}, {1.0})}, "with 1 factors"},
           {{Constraint::Equal({"a", "b"}, {1.0, 0.0})}, "factor 0 of 'b'"},
-          {{Constraint::Equal({"a", "a"})}, "'a' stands in two"},
+          {{Constraint::Equal({"a", "a"})}, "'a' is in two"},
           {{Constraint::Equal({"a", "b"}), Constraint::Equal({"b", "c"})},
-           "'b' stands in two"},
+           "'b' is in two"},
       };
   for (const auto& [constraints, message] : examples) {
     CoefficientMap map = Created({});

@@ -62,7 +62,7 @@ void ModeList::MarkHarmonic(const RecordAtRate& level, const SubspacePole& pole,
   if (!mode->is_harmonic) return;
   result_.remarks.push_back(
       "The vibration at " + FormatNumber(mode->frequency_hz, 5) +
-      " Hz is a harmonic, not a mode: its amplitude is constant (kurtosis " +
+      " Hz is a harmonic, not a mode. Its amplitude is constant (kurtosis " +
       FormatNumber(narrow.kurtosis, 3) +
       "; a sine has 1.5, random vibration 3) and its damping may be zero. To "
       "keep it, set harmonics = true in [modes].");

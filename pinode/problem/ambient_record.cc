@@ -156,11 +156,11 @@ bool AmbientRecord::IsValid(const StructuralDynamics& dynamics,
   if (!wrong.empty()) return fail(wrong);
   const double in_common = ShareOutsideGaps(samples);
   if (in_common < kLeastInCommon) {
-    return fail("its channels have gaps at different times, and only " +
+    return fail("its channels have gaps at different times. Only " +
                 FormatNumber(100.0 * in_common, 2) +
                 " % of the record is free of gaps, expected " +
                 FormatNumber(100.0 * kLeastInCommon, 2) +
-                " % and more; leave out the channels with most gaps");
+                " % and more. Leave out the channels with most gaps");
   }
   if (loads.size() > 0 &&
       (loads.rows() != dofs || !loads.allFinite() ||

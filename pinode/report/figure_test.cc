@@ -193,7 +193,8 @@ TEST_F(FigureTest, ShowsParameterChangesInPerCent) {
   // Groups in per cent of their matrix, elements of their initial value.
   EXPECT_THAT(figure.script, ContainsRegex("\n19\\.94 5 19\\.[0-9]+ 20\\."));
   EXPECT_THAT(figure.script, ContainsRegex("\n100\\.6 1 "));
-  EXPECT_THAT(figure.caption, HasSubstr("zero initially: spring1.k3."));
+  EXPECT_THAT(figure.caption,
+              HasSubstr("the initial value is zero: spring1.k3."));
   EXPECT_THAT(Draw(figure), HasSubstr("change, %"));
   for (ParameterEstimate& parameter : example_->summary.parameters) {
     parameter.lower95 = -std::numeric_limits<double>::infinity();

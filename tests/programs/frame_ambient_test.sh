@@ -99,5 +99,5 @@ diff <(cut -d, -f1,4 M1/parameters.csv) <(cut -d, -f1,4 P/parameters.csv) ||
 # objection comes first depends on the record.
 sed 's/\("1051.1" = \)\([0-9]\)/\1-\2/' 1/by_modes.toml >1/flipped.toml
 Run 1 pinode_update --case=1/flipped.toml --output_dir=F --progress=false
-grep -q "^Not usable: .*\(sensor's sign\|is like measured mode\)" stdout ||
+grep -q "^Not usable: .*\(sign, place and direction\|is like measured mode\)" stdout ||
   Fail "another objection"

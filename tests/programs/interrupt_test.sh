@@ -119,7 +119,7 @@ for signal in INT TERM HUP; do
   kill -"$signal" "$running" || true
   Finish
   [[ $status -eq 3 ]] || Fail "status $status, expected 3"
-  tail -n 1 -- "$scratch/stderr" | grep -q -e "$output, continue with --resume" ||
+  tail -n 1 -- "$scratch/stderr" | grep -q -e "$output; continue with --resume" ||
     Fail "its last line does not say what is left"
   Complete
   grep -q '"usable": false' "$output/result.json" || Fail "is usable"

@@ -358,7 +358,7 @@ bool CheckComplete(const LogFile& log, const std::string& column,
   *error = log.path + ": column " + Quote(column) + " misses " +
            std::to_string(missing) + " samples, the first one " +
            FormatNumber(static_cast<double>(first) * log.step, 6) +
-           " s after the start; an excitation must be complete: fill the gap "
+           " s after the start. An excitation must be complete. Fill the gap "
            "in the file, or cut the record there";
   return false;
 }

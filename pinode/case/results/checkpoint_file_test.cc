@@ -86,7 +86,7 @@ TEST(CheckpointTest, KeepsProfiles) {
       ReadCheckpoint(f.folder.Write("checkpoint.json",
                                     Replaced(text, "one-sided", "sideways")),
                      f.c.problem, &read, &error));
-  EXPECT_THAT(error, HasSubstr("than expected"));
+  EXPECT_THAT(error, HasSubstr("has a wrong value"));
 }
 
 TEST(CheckpointTest, OfAnotherCaseIsRefused) {

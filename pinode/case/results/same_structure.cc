@@ -124,8 +124,8 @@ bool IsAsPresent(const std::string& what, const StructuralDynamics& dynamics,
     *error = what + ": the matrices of the baseline have " +
              FormatNumber(offsets[row] - said, 3) + " times group '" +
              names[i] +
-             "' more than those of the case, without a 'present' that says so; "
-             "expected a baseline of the same nominal structure";
+             "' more than those of the case, without a 'present'. Use a "
+             "baseline of the same nominal structure";
     return false;
   }
   return true;

@@ -99,7 +99,7 @@ TEST_F(UpdatedDeckTest, KeepsLineEndsAndEncodings) {
 TEST_F(UpdatedDeckTest, ALossOfAllIsARemarkOtherTroubleAnError) {
   EXPECT_THAT(Write(-1.0, 0.0, true), IsEmpty());
   EXPECT_TRUE(good_) << error_;
-  EXPECT_THAT(remark_, HasSubstr("element set 'lower' is lost"));
+  EXPECT_THAT(remark_, HasSubstr("element set 'lower' is not positive"));
   out_ = folder_.Path("not/there");
   Write(-0.1, 0.0, true);
   EXPECT_FALSE(good_);

@@ -102,7 +102,7 @@ TEST_F(FindModesTest, NamesTheLineOfWhatIsAtFault) {
   std::string apart = kTwoSetups;
   apart.replace(apart.rfind("dof = \"u2\""), 10, "dof = \"u9\"");
   EXPECT_THAT(Error(apart),
-              HasSubstr("case.toml: the records have no place in common"));
+              HasSubstr("case.toml: the records have no common place"));
 }
 
 }  // namespace

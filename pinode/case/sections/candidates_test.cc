@@ -96,7 +96,7 @@ TEST_F(CandidatesTest, RefusesWhatCannotBeChosen) {
   EXPECT_THAT(Refusal("[profiles]",
                       "[[network]]\nname = \"nn\"\ninputs = [\"x[u1]\"]\n"
                       "outputs = [\"u1\"]\n[profiles]"),
-              HasSubstr("'slip' may be left out beside a network"));
+              HasSubstr("'slip' is optional, but a network"));
 }
 
 TEST_F(CandidatesTest, WhatIsLeftOutIsNotInTheModelCase) {

@@ -251,7 +251,7 @@ TEST(LoggerFilesTest, ModesOfAFileAlone) {
   EXPECT_THAT(
       c.remarks,
       Contains(HasSubstr("Left out, because they contain text: state")));
-  EXPECT_THAT(c.remarks, Contains(HasSubstr("b: taken as g")));
+  EXPECT_THAT(c.remarks, Contains(HasSubstr("b: read as g")));
   // A displacement is no acceleration.
   file.quantities = {"acceleration"};
   EXPECT_FALSE(ReadModesDataFile(file, &c, &error));

@@ -214,9 +214,9 @@ TEST(ModalSection, RefusesWhatDoesNotBelong) {
   const std::string groups =
       SmallCase().substr(0, SmallCase().find("[[record]]"));
   EXPECT_THAT(ReadText(groups + "[modal]\nform = \"mac\"\n").error,
-              HasSubstr("without [[mode]]"));
+              HasSubstr("needs at least one [[mode]]"));
   EXPECT_THAT(ReadText(SmallCase() + "[modal]\nform = \"mac\"\n").error,
-              HasSubstr("without [[mode]]"));
+              HasSubstr("needs at least one [[mode]]"));
   // Nothing to simulate.
   const TemporaryFolder folder;
   Case c;

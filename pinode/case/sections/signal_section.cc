@@ -56,12 +56,12 @@ bool FileExists(const TomlTable& table, const std::string& path) {
       std::filesystem::exists(path, status)) {
     return true;
   }
-  return table.Fail("file", "the file '" + path +
-                                "' does not exist, expected text in columns "
-                                "(CSV), a universal file (.uff, .unv), "
-                                "arrays (.mat, .npy, .npz, .h5), a file of a "
-                                "logger (.tdms, .lvm, .mseed, .sac, .v2, "
-                                "K-NET), or a PEER .at2 file");
+  return table.Fail(
+      "file",
+      "the file '" + path +
+          "' does not exist. Give text in columns (CSV), a universal file "
+          "(.uff, .unv), arrays (.mat, .npy, .npz, .h5), a file of a logger "
+          "(.tdms, .lvm, .mseed, .sac, .v2, K-NET), or a PEER .at2 file");
 }
 
 bool IsVoltage(const TomlTable& table) {

@@ -28,7 +28,7 @@ bool ReadStrainKeys(const TomlTable& table, ChannelSection* channel) {
   if (distance == 0.0) {
     return table.Fail("distance",
                       "'distance' is 0, but the neutral axis has no strain "
-                      "from bending; give the distance from it, or leave it "
+                      "from bending. Give the distance from it, or leave it "
                       "out for a combination of displacements");
   }
   channel->weights = table.Has("distance")

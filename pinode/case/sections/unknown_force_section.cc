@@ -487,7 +487,7 @@ bool CheckUnknownForces(const TomlTable& root,
         return sections[r].channels[c].signal.table.Fail(
             "column", "with the unknown force '" + term.name +
                           "' at this acceleration, which has a knot per "
-                          "sample, its noise cannot be found; give 'sigma', "
+                          "sample, its noise cannot be found. Give 'sigma', "
                           "'sigma_percent', wider knots or band_hz");
       }
     }

@@ -222,10 +222,9 @@ void CheckFrequencies(const FitSummary& fit, Findings* findings) {
   } else if (after > grown) {
     findings->push_back(
         {"frequencies_worse",
-         "the updated model meets the measured frequencies within " +
+         "the updated model meets measured frequencies within " +
              PercentText(after) + ", the initial model within " +
-             PercentText(before) +
-             ": shapes and frequencies contradict each other",
+             PercentText(before) + ": shapes and frequencies contradict",
          after, grown,
          "check the sign, place and direction of each sensor, and whether "
          "standard deviations are too small"});

@@ -57,9 +57,7 @@ std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
     if (!mode.InUse()) names.push_back("'" + mode.name + "'");
   }
   if (names.empty()) return "";
-  return "The fit does not use the measured " +
-         std::string(names.size() == 1 ? "mode " : "modes ") +
-         Join(names, ", ") +
+  return "Measured modes: the fit does not use " + Join(names, ", ") +
          ". The initial model has no mode of this shape and frequency that is "
          "not paired with another measured mode.";
 }

@@ -79,7 +79,7 @@ bool DifferentiateMode(const UndampedModes& modes, int j,
       std::ostringstream message;
       message << "modes " << std::min(j, k) + 1 << " and " << std::max(j, k) + 1
               << " of the model have the same frequency, and a free group "
-                 "mixes their shapes, so there are no derivatives; start from "
+                 "mixes their shapes. Derivatives do not exist. Start from "
                  "slightly different values of the groups";
       *error = message.str();
       return false;

@@ -53,7 +53,7 @@ class StartSearch {
   const StartProgress& progress() const { return progress_; }
 
  private:
-  // Takes the trial for the best so far, or asks for more damping.
+  // Takes the trial for the best so far, or raises the damping.
   void Accept(double cost);
   [[nodiscard]] bool Reject();
   // Solves for the next trial; done where it would gain too little.

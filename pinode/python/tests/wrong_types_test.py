@@ -71,7 +71,7 @@ def test_figures(name):
     (lambda: pinode.Group("k", between="u1"), "between is the text 'u1', expected a list"),
     (lambda: pinode.Model([1.0, 1.0], np.eye(2)), "mass is 2, expected n x n"),
     (lambda: pinode.Model([[1.0, 1.0], [2.0]], np.eye(2)), "mass is no array, expected n x n"),
-    (lambda: pinode.identify_modes([[1, 2], [3]], step=0.1), "no array"),
+    (lambda: pinode.identify_modes([[1, 2], [3]], step=0.1), "not an array"),
     (lambda: pinode.identify_modes(np.zeros((9, 1)), step=0.1, quantity=[[1]]), "quantity"),
     (lambda: pinode.channels("a", np.zeros((4, 1)), "strain", dofs=3), "dofs"),
     (lambda: pinode.channels("a", [[1.0, 2.0], [3.0]], "strain"), "no array"),

@@ -24,7 +24,7 @@ bool ReadOp4Content(const std::string& path, const std::string& content,
   if (bad != std::string::npos) {
     *error = path + ": byte " + std::to_string(bad) +
              " is not text, and the file does not begin with a record of 24 or "
-             "48 bytes; expected an OP4 file, ASCII or binary";
+             "48 bytes. Give an OP4 file, ASCII or binary";
     return false;
   }
   if (!ReadOp4Ascii(path, content, &result, error)) return false;

@@ -101,8 +101,8 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
     if (std::isnan(modes.frequency_hz[i])) {
       *error = "the stiffness matrix is not positive semidefinite: mode " +
                std::to_string(i + 1) +
-               " has a negative stiffness, so it has no frequency for modal "
-               "damping; check its entries, or give a damping matrix";
+               " has a negative stiffness, so modal damping has no frequency. "
+               "Check its entries, or give a damping matrix";
       return false;
     }
     modal_damping[i] = 2.0 * ratios[std::min(i, ratios.size() - 1)] * kTwoPi *

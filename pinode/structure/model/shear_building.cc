@@ -107,8 +107,8 @@ bool StoreyGroup(const ShearBuilding& building, MatrixGroup::Target target,
     case MatrixGroup::Target::kDamping:
       if (building.dampers.empty() || building.dampers[i] == 0.0) {
         *error = "shear building: storey " + std::to_string(storey) +
-                 " has no damper, and one was expected for a group of its "
-                 "damping; give it a damper, or a group between its floors";
+                 " has no damper for a group of its damping. Give it a damper, "
+                 "or a group between its floors";
         return false;
       }
       result.name = "c";

@@ -122,11 +122,11 @@ bool IsPositiveDefiniteMass(const Matrix& mass,
   int dof = 0;
   eigen.eigenvectors().col(0).cwiseAbs().maxCoeff(&dof);
   *error =
-      "the mass matrix is not positive definite: scaled to a unit diagonal its "
+      "the mass matrix is not positive definite. Scaled to a unit diagonal its "
       "smallest eigenvalue is " +
       FormatNumber(eigen.eigenvalues()[0], 6) + ", most of it at DOF '" +
       dof_names[dof] +
-      "'; check the entries that couple this DOF, or condense it out of all "
+      "'. Check the entries that couple this DOF, or condense it out of all "
       "matrices";
   return false;
 }

@@ -242,13 +242,13 @@ std::vector<std::string> NumberRepeatedNames(std::vector<std::string> names,
     shown.push_back(repeated[i] + " (" + std::to_string(count[repeated[i]]) +
                     " times)");
   }
-  notes->push_back(
-      std::to_string(repeated.size()) + " DOF names occur more than once: " +
-      Join(shown, ", ") + (repeated.size() > kShown ? ", ..." : "") +
-      ". They are different DOFs, as of beams and shells that the program "
-      "expands into solids, and are called '" +
-      repeated[0] + "#1', '" + repeated[0] +
-      "#2', ... in the order of the rows");
+  notes->push_back(std::to_string(repeated.size()) +
+                   " DOF names occur more than once: " + Join(shown, ", ") +
+                   (repeated.size() > kShown ? ", ..." : "") +
+                   ". They are different DOFs, for instance of beams that the "
+                   "program expands into solids. Their names are '" +
+                   repeated[0] + "#1', '" + repeated[0] +
+                   "#2', ... in the order of the rows");
   return names;
 }
 
@@ -296,12 +296,11 @@ std::vector<std::string> DescribeSpecialDofs(const FiniteElementModel& model) {
                         "modes");
   }
   if (!special.uncoupled.empty()) {
-    sentences.push_back(
-        DofCount(special.uncoupled) + " coupled to no other (" +
-        SomeNames(model.dof_names, special.uncoupled) +
-        "): probably constrained DOFs that the export kept with a number "
-        "on the diagonal; where they have mass, remove them, or their own "
-        "frequency stands among the modes");
+    sentences.push_back(DofCount(special.uncoupled) + " coupled to no other (" +
+                        SomeNames(model.dof_names, special.uncoupled) +
+                        "): probably constrained DOFs, kept in the export with "
+                        "a number on the diagonal. Remove them if they have "
+                        "mass, or their frequencies appear among the modes");
   }
   if (!special.unsupported.empty()) {
     sentences.push_back(DofCount(special.unsupported) +

@@ -430,9 +430,9 @@ class LowestModes {
     if (on_last_digits > 0) {
       result.notes.push_back(
           "the stiffness of " + std::to_string(on_last_digits) +
-          " modes is less than 1e-9 of the terms that cancel in it; with fewer "
-          "than 16 digits in the file such frequencies are noise, or rigid-"
-          "body modes that should be 0");
+          " modes is less than 1e-9 of the terms that cancel in it. With fewer "
+          "than 16 digits in the file, such frequencies are noise or zero "
+          "frequencies of rigid bodies");
     }
     *modes = std::move(result);
   }

@@ -503,9 +503,9 @@ class Analyst {
     }
     if (texts.empty()) return;
     result_.remarks.push_back(
-        "The two tables differ. The table of parameters comes from a fit with "
-        "all groups free, the table of changes from one in which only the "
-        "changed groups are free. With all groups free: " +
+        "The two tables differ. In the fit of the table of parameters all "
+        "groups are free. In that of the table of changes only the changed "
+        "groups are. With all groups free: " +
         Join(texts, ", ") +
         ". Rely on the table of changes: with all groups free, a change "
         "spreads over groups that the records cannot tell apart.");

@@ -203,11 +203,13 @@ std::vector<Finding> CheckBlocks(const BlockEstimates& estimates,
                         3);
   };
   return {{"block_contradicts",
-           "record '" + record.name + "' from " + time(found->block.begin) +
-               " to " + time(found->block.end) + " s alone would change '" +
-               moved->name + "' from " + FormatNumber(moved->value, 3) +
-               " to about " + FormatNumber(moved->value + shift, 3) + " (" +
-               FormatNumber(most, 2) + " standard deviations), with a motion " +
+           "the part of record '" + record.name + "' from " +
+               time(found->block.begin) + " to " + time(found->block.end) +
+               " s alone would change '" + moved->name + "' from " +
+               FormatNumber(moved->value, 3) + " to about " +
+               FormatNumber(moved->value + shift, 3) + " (" +
+               FormatNumber(most, 2) +
+               " standard deviations). The motion there is " +
                FormatNumber(found->block.level, 2) +
                " times that of the whole record",
            most, limits::kBlockDeviations,

@@ -109,7 +109,7 @@ TEST(LoadSpectra, RefinedUntilTheyDescribeTheRecords) {
   EXPECT_THAT(summary.remarks[0],
               HasSubstr("'monday' with 7 knots (probability 1e-18)"));
   EXPECT_THAT(summary.remarks[0],
-              HasSubstr("stands is 'monday' with 13 knots (probability 0.3)"));
+              HasSubstr("result has 'monday' with 13 knots (probability 0.3)"));
 }
 
 TEST(LoadSpectra, TheBestStandsWhereNoneIsGood) {

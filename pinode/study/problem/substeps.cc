@@ -148,9 +148,9 @@ bool TooCoarse(double needed, const StabilityReport& stability,
   *error = "its sampling is too coarse for the model's highest mode (" +
            FormatNumber(stability.largest_eigenvalue, 4) +
            " rad per unit of time): " + FormatNumber(needed, 4) +
-           " Runge-Kutta steps per sample would be needed, but at most " +
+           " Runge-Kutta steps per sample are needed, and at most " +
            std::to_string(kMaxSubsteps) +
-           " are possible; condense the model to fewer degrees of freedom, or "
+           " are possible. Condense the model to fewer degrees of freedom, or "
            "check its units";
   return false;
 }
@@ -407,7 +407,7 @@ bool StepsBesideTheExactSolution(const StructuralDynamics& dynamics,
   if (!(smallest * step < kMaxSubsteps)) {
     *error = "its sampling is too coarse even for the model's lowest mode (" +
              FormatNumber(smallest, 4) +
-             " rad per unit of time); check the units of the model and of the "
+             " rad per unit of time). Check the units of the model and of the "
              "record's time";
     return false;
   }

@@ -182,9 +182,8 @@ class StrongMotionParser {
     if (file_.channels.empty()) {
       *error = path_ +
                ": no line such as '12000 points of accel data equally spaced "
-               "at .005 sec' or '12000 acceleration pts' found, expected "
-               "Volume 1 or 2 of CSMIP, or COSMOS 1.20. Ask the data centre "
-               "for Volume 2";
+               "at .005 sec' or '12000 acceleration pts' found. Give Volume 1 "
+               "or 2 of CSMIP, or COSMOS 1.20; data centres have them";
       return false;
     }
     file_.format = is_cosmos_ ? "COSMOS" : "CSMIP";
