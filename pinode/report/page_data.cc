@@ -54,6 +54,19 @@ figcaption { color: #555; font-size: 0.9em; margin-top: 4px; max-width: 54em; }
 .missing { border: 1px dashed #999; padding: 10px 14px; color: #555; }
 pre { background: #f4f4f4; padding: 10px 14px; white-space: pre-wrap; overflow-wrap: anywhere; font-size: 0.88em; }
 footer { color: #777; font-size: 0.88em; margin-top: 40px; }
+/* On a phone wide figures scroll like tables, so that their labels stay legible. */
+@media screen and (max-width: 600px) {
+  body { padding: 18px 12px 40px; }
+  p, li, figcaption { overflow-wrap: anywhere; }
+  table { font-size: 0.8em; }
+  th, td { padding-right: 8px; }
+  dl { grid-template-columns: 1fr; gap: 0; }
+  dd { margin-bottom: 8px; }
+  figure { overflow-x: auto; }
+  figure svg { max-width: none; width: 680px; }
+  figure.half { display: block; width: auto; margin-right: 0; }
+  figure.half svg { max-width: 100%; width: auto; }
+}
 @page { margin: 16mm 15mm; }
 @media print {
   body { font-size: 10pt; max-width: none; padding: 0; }
