@@ -58,8 +58,10 @@ footer { color: #777; font-size: 0.88em; margin-top: 40px; }
 @media screen and (max-width: 600px) {
   body { padding: 18px 12px 40px; }
   p, li, figcaption { overflow-wrap: anywhere; }
-  table { font-size: 0.8em; }
-  th, td { padding-right: 8px; }
+  table { font-size: 0.78em; }
+  th, td { padding-right: 4px; }
+  th:last-child, td:last-child { padding-right: 0; }
+  td.n { font-size: 0.88em; }
   dl { grid-template-columns: 1fr; gap: 0; }
   dd { margin-bottom: 8px; }
   figure { overflow-x: auto; }
