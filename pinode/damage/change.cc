@@ -228,7 +228,7 @@ bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
              std::string* error) {
   if (!options.IsValid(error)) return false;
   if (healthy.empty()) {
-    *error = "there is no healthy state";
+    *error = "there is no baseline state";
     return false;
   }
   const Eigen::Index size = current.values.size();
@@ -238,7 +238,7 @@ bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
   }
   for (size_t i = 0; i < healthy.size(); ++i) {
     if (!IsGroupState(healthy[i], size,
-                      "healthy state " + std::to_string(i + 1), error)) {
+                      "baseline state " + std::to_string(i + 1), error)) {
       return false;
     }
   }
@@ -256,7 +256,7 @@ bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
       scale[j] = 1.0;
     }
     if (scale[j] <= 0.0) {
-      *error = "the healthy stiffness of group " + std::to_string(j + 1) +
+      *error = "the baseline stiffness of group " + std::to_string(j + 1) +
                " is not positive";
       return false;
     }

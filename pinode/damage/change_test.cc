@@ -177,11 +177,11 @@ TEST_F(EstimateChangeTest, RefusesWhatDoesNotFit) {
   ChangeEstimate estimate;
   std::string error;
   EXPECT_FALSE(EstimateChange({}, healthy, ChangeOptions(), &estimate, &error));
-  EXPECT_EQ(error, "there is no healthy state");
+  EXPECT_EQ(error, "there is no baseline state");
   EXPECT_FALSE(
       EstimateChange({healthy, {Vector::Zero(2), Matrix::Identity(2, 2)}},
                      healthy, ChangeOptions(), &estimate, &error));
-  EXPECT_THAT(error, HasSubstr("healthy state 2 has 2 groups"));
+  EXPECT_THAT(error, HasSubstr("baseline state 2 has 2 groups"));
   GroupState singular = healthy;
   singular.covariance(0, 0) = 0.0;
   EXPECT_FALSE(

@@ -50,7 +50,7 @@ class Sampler {
     const IntegrationGrid grid(*record.excitation, record.substeps);
     const Eigen::Index last = record.num_samples() - 1;
     const auto not_finite = [&](Eigen::Index i) {
-      *error = "the free run of record '" + record.name +
+      *error = "the simulation of record '" + record.name +
                "' with the identified model is not finite from t = " +
                FormatNumber(grid.time(i), 6) + " on";
       return false;

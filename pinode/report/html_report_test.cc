@@ -99,8 +99,9 @@ TEST(HtmlReport, ComesInTheOrderOfImportance) {
   size_t at = 0;
   for (const char* part :
        {"Three-storey frame", "Usable. The updated model", "What changed",
-        "How well the model predicts", "3.12", "Modes before and after",
-        ">Records<", "Restoring forces", "How it was solved",
+        "How well the model predicts", "3.12",
+        "Modes of the initial and the updated model", ">Records<",
+        "Restoring forces", "How it was solved",
         "What the data do not determine", "Remarks about the data",
         "To reproduce", "pinode_update --case="}) {
     const size_t found = html.find(part, at);

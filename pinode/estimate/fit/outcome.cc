@@ -163,7 +163,7 @@ std::vector<std::string> OffsetRemarks(const IdentificationProblem& problem,
       remarks.push_back(
           "Record '" + score.name + "': the difference between sensor '" +
           of.name + "' and the model is mostly a constant (" +
-          FormatNumber(mean, 3) + "). Consider to leave its 'offset' free.");
+          FormatNumber(mean, 3) + "). Consider leaving its 'offset' free.");
     }
   }
   return remarks;

@@ -222,7 +222,7 @@ def parameters(outcome: Any) -> "Figure | None":
     names, changes, lows, highs = zip(*rows)
     bars(ax, names, changes, lows, highs, ["#9cc7e0"] * len(rows))
     if left_out:
-        ax.set_title("zero before, not drawn: " + ", ".join(left_out), loc="left",
+        ax.set_title("zero initially, not drawn: " + ", ".join(left_out), loc="left",
                      size="small", wrap=True)
     return figure
 

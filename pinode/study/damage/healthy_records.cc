@@ -77,8 +77,8 @@ bool HealthyRecords::RefitWith(const std::vector<ChangeCandidate>& found,
     // From where the new records have it, then from nothing.
     for (const IdentifiedModel& from :
          {BeginFrom(start, fit.model, with.problem), begin}) {
-      inner->Run("healthy, with what was found", with.problem, options, &from,
-                 &with.summary, &with.model);
+      inner->Run("baseline, with the changes found", with.problem, options,
+                 &from, &with.summary, &with.model);
       if (WhyNotSound(options.tuning.gaps, with.summary).empty() &&
           MissedOf(with.summary, 0.0) <
               kMostLeft * MissedOf(fit.summary, 0.0)) {
