@@ -31,7 +31,7 @@ bool HealthyRecords::Refit(InnerFit* inner, std::string* error) {
       options.num_threads = options_.num_threads;
       options.communicator = options_.communicator;
       BeginNearTheEnd(&options);
-      inner->Run("healthy", fit.problem, options, nullptr, &fit.summary,
+      inner->Run("baseline", fit.problem, options, nullptr, &fit.summary,
                  &fit.model);
       // No better than before, so not "usable".
       if (fit.summary.termination != Termination::kConverged) {
