@@ -156,8 +156,8 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
                      "--ignore=" +
                      signal->column +
                      ", and add it to the case by hand (pinode/case/README.md)"
-               : "--" + flag + ": " + Quote(given) + " is no unit of " + what +
-                     "; use one of " + Join(KnownUnits(wanted), " ");
+               : "--" + flag + ": " + Quote(given) + " is not a unit of " +
+                     what + "; use one of " + Join(KnownUnits(wanted), " ");
   return false;
 }
 

@@ -143,8 +143,8 @@ bool LeaveOutOfCase(const std::vector<std::string>& left_out, Case* c,
                                     });
     if (found == c->candidates.end()) {
       *error = c->path + ": '" + name +
-               "' is no candidate, expected an optional element or a term of a "
-               "library with select = true";
+               "' is not a candidate, expected an optional element or a term "
+               "of a library with select = true";
       return false;
     }
     gone.push_back(*found);

@@ -57,7 +57,7 @@ bool ReadWrittenCsv(const std::string& path, WrittenCsv* csv,
   csv_fini(&parser, &WrittenCsv::OnCell, &WrittenCsv::OnRow, csv);
   csv_free(&parser);
   if (!whole || csv->rows.empty()) {
-    *error = path + ": is no table, expected a header and rows";
+    *error = path + ": is not a table, expected a header and rows";
     return false;
   }
   const size_t count = csv->rows[0].size();
@@ -138,7 +138,7 @@ bool AddJson(const std::string& path, const std::string& name,
   const auto json = nlohmann::ordered_json::parse(text, nullptr,
                                                   /*allow_exceptions=*/false);
   if (json.is_discarded()) {
-    *error = path + ": is no JSON";
+    *error = path + ": is not JSON";
     return false;
   }
   writer->AddText(name, json.dump(1, ' ', /*ensure_ascii=*/true));

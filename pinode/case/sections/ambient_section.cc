@@ -85,7 +85,7 @@ class AmbientReader {
       const int direction = model.DirectionIndex(name);
       if (direction < 0) {
         return table_.Fail("proportional_to_mass",
-                           "'" + name + "' is no direction of the model");
+                           "'" + name + "' is not a direction of the model");
       }
       AddLoad("mass in " + name, model.mass * model.influence.col(direction));
     }
@@ -93,7 +93,7 @@ class AmbientReader {
       const int direction = model.DirectionIndex(name);
       if (direction < 0) {
         return table_.Fail("base",
-                           "'" + name + "' is no direction of the model");
+                           "'" + name + "' is not a direction of the model");
       }
       const Eigen::Index before = record_->base.cols();
       record_->base.conservativeResize(model.num_dofs(), before + 1);

@@ -136,7 +136,7 @@ TEST_F(CandidatesTest, ALibraryOfWhichNothingIsLeftIsGone) {
   ASSERT_NE(c.source->Find("element"), nullptr);
   EXPECT_EQ(c.source->Find("element")->elements.size(), 1u);
   EXPECT_FALSE(LeaveOutOfCase({"oil"}, &c, &error_));
-  EXPECT_THAT(error_, HasSubstr("'oil' is no candidate"));
+  EXPECT_THAT(error_, HasSubstr("'oil' is not a candidate"));
 }
 
 TEST_F(CandidatesTest, CheckpointsKnowWhatIsLeftOut) {

@@ -212,7 +212,7 @@ class GeometryReader {
         if (!SplitDofName(text, &place.node, &place.direction) ||
             place.direction > 3 || index_.count(place.node) == 0) {
           return dofs.Fail(dof, "'" + text +
-                                    "' is no place, expected a node of the "
+                                    "' is not a place, expected a node of the "
                                     "geometry and 1, 2 or 3, as in \"" +
                                     geometry_.node_names.front() + ".1\"");
         }

@@ -195,9 +195,9 @@ TEST_F(GeometrySectionTest, RefusesInOneLine) {
   EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "u1 = \"a.1\"", "u7 = \"a.1\"")),
               HasSubstr("'u7' is not a DOF"));
   EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "\"a.1\"", "\"a.4\"")),
-              HasSubstr("'a.4' is no place"));
+              HasSubstr("'a.4' is not a place"));
   EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "\"a.1\"", "\"z.1\"")),
-              HasSubstr("'z.1' is no place"));
+              HasSubstr("'z.1' is not a place"));
   EXPECT_THAT(ErrorOf(Replaced(kPlacesTable, "[\"g\", \"a\"]", "[\"g\"]")),
               HasSubstr("fewer than two"));
   EXPECT_THAT(

@@ -60,7 +60,7 @@ Table TableOf(const py::dict& columns, const std::string& where,
   table.path = name;
   for (const auto& [key, column] : columns) {
     if (!py::isinstance<py::str>(key)) {
-      throw Error(where + " has a column whose name is no text");
+      throw Error(where + " has a column whose name is not text");
     }
     table.columns.push_back(TextOf(key, where));
     const VectorView view(column,
@@ -286,8 +286,8 @@ class TreeWriter {
 TomlValue TreeFromPython(const py::handle& tree, CaseData* data) {
   if (!py::isinstance<py::dict>(tree)) {
     throw Error(
-        "the case is no dictionary, expected one with the keys of a "
-        "case file");
+        "the case is not a dictionary, expected one with the keys of a case "
+        "file");
   }
   return TreeReader(data).Read(tree, "", "", "", 0);
 }

@@ -155,7 +155,7 @@ SparseMatrix FromCompressed(const py::object& columns,
                 std::to_string(num_columns) + ", expected at most " +
                 std::to_string(kMaxFiniteElementDofs) + " rows");
   }
-  const std::string broken = where + " is no consistent sparse matrix";
+  const std::string broken = where + " is not a consistent sparse matrix";
   const InOneRow data =
       InOneRow::ensure(ToDense(columns.attr("data"), 1, where + ".data"));
   if (!data) {

@@ -420,7 +420,8 @@ std::shared_ptr<Fit> FromState(const py::object& tree, const std::string& path,
     is_unpacked = is_read && UnpackFit(packed, fit.get());
   }
   Require(is_read, error);
-  Require(is_unpacked, "this is no fit of that case by this version of pinode");
+  Require(is_unpacked,
+          "this is not a fit of that case by this version of pinode");
   return fit;
 }
 

@@ -299,7 +299,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
             return matrix.astype(float)
     except (TypeError, ValueError):
         pass
-    raise Error(f"the {name} matrix is no array of numbers")
+    raise Error(f"the {name} matrix is not an array of numbers")
 
 
 def _square(name: str, value: Any) -> np.ndarray:

@@ -79,7 +79,7 @@ def test_sparse_matrices_of_any_order_and_index_type():
             ([1.0], [0], [0, 2, 2, 2]),  # more entries than there are
             ([1.0], [0], [1, 1, 1, 1]),
             ([1.0], [0], [0, 1])):
-        with pytest.raises(pinode.Error, match="no consistent sparse matrix"):
+        with pytest.raises(pinode.Error, match="not a consistent sparse matrix"):
             _whole(_Compressed(np.array(data), np.array(rows, np.int32),
                                np.array(starts, np.int32)))
 

@@ -117,7 +117,7 @@ def test_is_pickled(baseline):
     assert other.history["cost"].tolist() == baseline.history["cost"].tolist()
     state = list(baseline._handle.state())
     state[2] = state[2][:-9] + b"x" + state[2][-8:]
-    with pytest.raises(pinode.Error, match="no fit of that case"):
+    with pytest.raises(pinode.Error, match="not a fit of that case"):
         pinode._pinode.FitHandle.from_state(*state)
 
 

@@ -399,7 +399,7 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
   }
   if (kept.empty()) {
     *bad_row = wrong;
-    *error = "is no date";
+    *error = "is not a date";
     return false;
   }
   bool same = true;

@@ -33,7 +33,7 @@ bool AddEntry(size_t row, size_t column, double value,
     *what = "has the entry " +
             EntryText(static_cast<Eigen::Index>(row),
                       static_cast<Eigen::Index>(column)) +
-            " that is no finite number";
+            " that is not a finite number";
     return false;
   }
   MatrixEntry entry;

@@ -111,7 +111,7 @@ bool MatrixFromParts(const SparseParts& parts, SparseMatrix* matrix,
     entry.value = parts.data->NumberAt(k);
     if (!std::isfinite(entry.value)) {
       *what = "has the entry " + EntryText(row, column) +
-              " that is no finite number";
+              " that is not a finite number";
       return false;
     }
     entries.push_back(entry);
@@ -148,7 +148,7 @@ bool MatrixFromFullArray(const NumpyArray& array, SparseMatrix* matrix,
     entry.value = value;
     if (!std::isfinite(value)) {
       *what = "has the entry " + EntryText(entry.row, entry.column) +
-              " that is no finite number";
+              " that is not a finite number";
       return false;
     }
     entries.push_back(entry);

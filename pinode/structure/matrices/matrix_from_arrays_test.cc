@@ -99,7 +99,7 @@ TEST(MatrixFromFullArray, InEitherOrder) {
   array = MakeArray<double>('f', {std::numeric_limits<double>::infinity()});
   array.shape = {1, 1};
   EXPECT_FALSE(MatrixFromFullArray(array, &matrix, &what));
-  EXPECT_THAT(what, HasSubstr("no finite number"));
+  EXPECT_THAT(what, HasSubstr("not a finite number"));
 }
 
 TEST(NamesFromArray, PairsOfNodeAndDirection) {

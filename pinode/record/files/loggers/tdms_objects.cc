@@ -172,9 +172,10 @@ class TdmsStructureReader {
       size_t object = 0;
       if (!reader->ok()) break;
       if (!FindObject(name, &object)) {
-        return FailAt(begin, "'" + TdmsText(name) +
-                                 "' is no path of an object, expected "
-                                 "/'group'/'channel'");
+        return FailAt(
+            begin,
+            "'" + TdmsText(name) +
+                "' is not a path of an object, expected /'group'/'channel'");
       }
       if (!ReadIndex(begin, object, reader)) return false;
       if (!ReadProperties(begin, object, reader)) return false;
@@ -313,7 +314,7 @@ class TdmsStructureReader {
     const bool is_whole = raw_size % chunk == 0;
     if (!is_whole && !structure_->is_unfinished) {
       return FailAt(begin, std::to_string(raw_size) +
-                               " bytes of numbers are no multiple of the " +
+                               " bytes of numbers are not a multiple of the " +
                                std::to_string(chunk) +
                                " that its channels have. The file is broken");
     }
