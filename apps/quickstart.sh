@@ -29,7 +29,7 @@ cmake --build --preset quickstart --parallel "$jobs"
 
 began=$SECONDS
 echo
-echo "== pinode_check: what the case holds, and what its sensors can see"
+echo "== pinode_check: modes, sizes, and what the sensors determine"
 "$build/apps/pinode_check" --case="$frame/healthy_1.toml"
 
 # The three side by side, each with one thread. What is started in the background
@@ -49,14 +49,14 @@ for number in 1 2 3; do
   status=0
   wait "${running[number - 1]}" || status=$?
   echo
-  echo "== pinode_update: healthy record $number"
+  echo "== pinode_update: baseline record $number"
   cat "$build/frame_healthy_$number.log"
   [[ $status -eq 0 ]] || exit "$status"
 done
 trap - EXIT
 
 echo
-echo "== pinode_damage: a record after a fifth of a column's stiffness was lost"
+echo "== pinode_damage: a record after a column lost a fifth of its stiffness"
 "$build/apps/pinode_damage" --baseline="$baselines" \
   --case="$frame/column_20.toml" --output_dir="$build/frame_damage" --overwrite
 
