@@ -187,7 +187,7 @@ bool ReadTextOfAnyEncoding(const std::string& path, std::string* content,
     const UnpackedSize memory(static_cast<double>(text.size()));
     if (!Unpack(CompressedFormat::kGzip, text,
                 static_cast<size_t>(memory.largest()), &text, &what)) {
-      *error = path + ": " + what + ", and a file of gzip was expected";
+      *error = path + ": " + what + ", expected a file of gzip";
       return false;
     }
   }

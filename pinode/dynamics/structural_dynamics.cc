@@ -100,8 +100,7 @@ bool StructuralDynamics::AddGroupCurve(GroupCurve curve, std::string* error) {
                term.follows == GroupTerm::Follows::kNothing;
       })) {
     *error = "a curve of '" + curve.name +
-             "', and a group of that name that follows nothing else was "
-             "expected";
+             "', expected a group of that name that follows nothing else";
     return false;
   }
   return AddTerm(MakeTerm(std::move(curve)), error);

@@ -202,8 +202,8 @@ TEST(HtmlReport, OfAFailureSaysWhy) {
   EXPECT_THAT(html, HasSubstr("the identification has not been started"));
   EXPECT_THAT(html, HasSubstr("There is no covariance"));
   EXPECT_EQ(CountOf("<figure", html), 0);
-  for (const char* heading : {"What changed", "Modes before", ">Records<",
-                              "Restoring", "Remarks about"}) {
+  for (const char* heading : {"What changed", "Modes of the initial",
+                              ">Records<", "Restoring", "Remarks about"}) {
     EXPECT_THAT(html, Not(HasSubstr(heading)));
   }
 }

@@ -263,7 +263,7 @@ bool ReadNumpyArrays(const std::string& path, const ArrayFilter& wanted,
       return false;
     }
     if (found.empty() && others.empty()) {
-      *error = path + ": holds no array, and a NumPy archive was expected";
+      *error = path + ": holds no array, expected a NumPy archive";
       return false;
     }
   } else {

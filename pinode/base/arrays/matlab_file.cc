@@ -38,7 +38,7 @@ bool MatlabFile::Open(const std::string& path, std::string* error) {
       content.size() >= 128 && content.substr(124, 4) == kMat73;
   if (!is_mat73 && !IsWholeMat5(content, &what)) {
     *error = path + ": " + what +
-             ", and a whole MATLAB file of version 5 or 7.3 was expected";
+             ", expected a whole MATLAB file of version 5 or 7.3";
     return false;
   }
   content = std::string();
@@ -49,9 +49,9 @@ bool MatlabFile::Open(const std::string& path, std::string* error) {
   opened_ = std::make_unique<Opened>();
   opened_->file.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (opened_->file != nullptr) return true;
-  *error = path +
-           ": cannot be opened, and a whole MATLAB file of version 5 or 7.3 "
-           "was expected";
+  *error =
+      path +
+      ": cannot be opened, expected a whole MATLAB file of version 5 or 7.3";
   return false;
 }
 

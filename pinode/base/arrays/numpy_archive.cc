@@ -71,8 +71,8 @@ bool ReadNumpyArchive(const std::string& path, const std::string& content,
       zip_open_from_source(source, ZIP_RDONLY, &problem));
   if (archive == nullptr) {
     zip_source_free(source);
-    *error = path + ": " + ZipMessage(&problem) +
-             ", and a NumPy archive (zip) was expected";
+    *error =
+        path + ": " + ZipMessage(&problem) + ", expected a NumPy archive (zip)";
     return false;
   }
   zip_error_fini(&problem);
@@ -104,7 +104,7 @@ bool ReadNumpyArchive(const std::string& path, const std::string& content,
       others->insert(name);
     } else if (!arrays->emplace(name, std::move(array)).second) {
       *error = path + ": array " + Quote(name) +
-               " is there twice, and each name was expected once";
+               " is there twice, expected each name once";
       return false;
     }
   }

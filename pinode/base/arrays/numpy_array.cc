@@ -125,8 +125,8 @@ NumpyArrayKind ParseHeader(const std::string& bytes, NumpyArray* array,
     begin = 12;
     length += 65536 * byte_at(10) + 16777216 * byte_at(11);
   } else if (version != 1) {
-    *what = "has format version " + std::to_string(version) +
-            ", and 1 to 3 was expected";
+    *what =
+        "has format version " + std::to_string(version) + ", expected 1 to 3";
     return NumpyArrayKind::kBroken;
   }
   if (length > view.size() - begin) {
@@ -140,7 +140,7 @@ NumpyArrayKind ParseHeader(const std::string& bytes, NumpyArray* array,
   if ((order.substr(0, 4) != "True" && order.substr(0, 5) != "False") ||
       !ParseShape(ValueOf(header, "shape"), &array->shape)) {
     *what = "has the header " + Quote(header) +
-            ", and descr, fortran_order and shape were expected";
+            ", expected descr, fortran_order and shape";
     return NumpyArrayKind::kBroken;
   }
   array->fortran_order = order[0] == 'T';
@@ -220,8 +220,8 @@ NumpyArrayKind ParseNumpyArray(std::string bytes, NumpyArray* array,
   double expected = static_cast<double>(array->item_size);
   for (const int64_t size : array->shape) expected *= static_cast<double>(size);
   if (expected != static_cast<double>(available)) {
-    *what = "has " + std::to_string(available) + " bytes of data, and " +
-            FormatNumber(expected, 15) + " were expected by its header";
+    *what = "has " + std::to_string(available) + " bytes of data, expected " +
+            FormatNumber(expected, 15) + " by its header";
     return NumpyArrayKind::kBroken;
   }
   bytes.erase(0, begin);

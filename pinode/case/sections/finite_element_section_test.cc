@@ -320,7 +320,7 @@ TEST_F(FiniteElementSectionTest, RefusesMapsThatDoNotMatch) {
 
 TEST_F(FiniteElementSectionTest, RefusesKeysThatDoNotFit) {
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"modal\""),
-              HasSubstr("at least 1 was expected"));
+              HasSubstr("expected at least 1"));
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"modal\"\nmodes = 1"),
               HasSubstr("more DOFs are kept (2) than modes are taken (1)"));
   EXPECT_THAT(
@@ -332,7 +332,7 @@ TEST_F(FiniteElementSectionTest, RefusesKeysThatDoNotFit) {
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"irons\""),
               HasSubstr("craig_bampton"));
   EXPECT_THAT(Refusal("method = \"guyan\"", "method = \"guyan\"\nmodes = 2"),
-              HasSubstr("none was expected"));
+              HasSubstr("expected none"));
   EXPECT_THAT(Refusal("remove_dofs = [\"1.1\"]", "remove_dofs = [\"0.1\"]"),
               HasSubstr(":9: [model.finite_element]: '0.1' is not a DOF"));
   EXPECT_THAT(Refusal("remove_dofs", "removed_dofs"), HasSubstr("remove_dofs"));

@@ -165,9 +165,9 @@ TEST_F(CaseDataTest, FiniteElementModelsMayBeInMemory) {
       ->Find("finite_element")
       ->Set("dofs", TomlValue::Strings({"u1", "u2", "u3"}));
   EXPECT_FALSE(Read(&c));
-  EXPECT_EQ(error_,
-            "<M>: the mass matrix is 2 x 2, and 3 x 3 was expected by the list "
-            "of DOFs");
+  EXPECT_EQ(
+      error_,
+      "<M>: the mass matrix is 2 x 2, expected 3 x 3 by the list of DOFs");
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST_F(BadFiniteElementFilesTest, BadBinaryOp4IsRefused) {
   // Bytes 4 to 7: columns; 8 to 11: rows; 28: the record's length again.
   EXPECT_THAT(error_with_byte(7, 0x7f), HasSubstr("rows and columns"));
   EXPECT_THAT(error_with_byte(11, '\x80'), HasSubstr("rows"));
-  EXPECT_THAT(error_with_byte(28, 25), HasSubstr("24 was expected as before"));
+  EXPECT_THAT(error_with_byte(28, 25), HasSubstr("expected 24 as before"));
   // The first column's record: length, column, 0, words, string header.
   EXPECT_THAT(error_with_byte(35, 0x7f),
               HasSubstr("check that the file is complete"));
@@ -225,7 +225,7 @@ TEST_F(BadFiniteElementFilesTest, BadLongBinaryOp4IsRefused) {
               HasSubstr("rows and columns"));
   EXPECT_THAT(error_with_byte(short_marker, 19, '\x80'), HasSubstr("rows"));
   EXPECT_THAT(error_with_byte(short_marker, 52, 49),
-              HasSubstr("48 was expected as before"));
+              HasSubstr("expected 48 as before"));
   EXPECT_THAT(error_with_byte(short_marker, 83, '\x80'),
               HasSubstr("at most 3 words"));
   EXPECT_THAT(error_with_byte(short_marker, 84, 9), HasSubstr("from row 9"));
@@ -235,7 +235,7 @@ TEST_F(BadFiniteElementFilesTest, BadLongBinaryOp4IsRefused) {
   // at 64.
   const char* const long_marker = "op4/little_64_marker.op4";
   EXPECT_THAT(error_with_byte(long_marker, 63, 1),
-              HasSubstr("48 was expected as before"));
+              HasSubstr("expected 48 as before"));
   EXPECT_THAT(error_with_byte(long_marker, 71, 0x7f),
               HasSubstr("check that the file is complete"));
   EXPECT_THAT(error_with_byte(long_marker, 71, '\x80'),

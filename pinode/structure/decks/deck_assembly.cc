@@ -288,7 +288,7 @@ bool DeckAssembly::AddNamed(size_t copy, const DeckSet& set,
     }
   }
   *error = name.place + ": set '" + set.name + "' has " + Quote(name.text) +
-           ", and elements or a set were expected";
+           ", expected elements or a set";
   return false;
 }
 

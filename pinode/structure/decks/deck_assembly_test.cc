@@ -241,7 +241,7 @@ TEST(DeckAssemblyTest, RefusesWithTheLine) {
       error(kOne + std::string("*Element, type=T3D2\n1,Column-1.9,2\n")),
       HasSubstr("element 1 has node 9"));
   EXPECT_THAT(error(kOne + std::string("*Element, type=T3D2\n1,Beam-1.1,2\n")),
-              HasSubstr("'Beam-1.1', and a number was expected"));
+              HasSubstr("'Beam-1.1', expected a number"));
   EXPECT_THAT(error("*Instance, name=a, part=column\n*Node\n1,0,0,0\n"),
               HasSubstr("node 1 is there twice in instance 'a'"));
 }

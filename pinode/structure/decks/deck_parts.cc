@@ -276,8 +276,7 @@ class DeckReader {
     }
     if (!good) {
       return lines.Fail(
-          "the line is " + Quote(line) + ", and 'node, x, y, z' was expected",
-          error_);
+          "the line is " + Quote(line) + ", expected 'node, x, y, z'", error_);
     }
     DeckScope* scope = Scope();
     const auto index = static_cast<int>(scope->positions.size());
@@ -328,8 +327,7 @@ class DeckReader {
       DeckReference reference;
       if (!ReadReference(field, &reference)) {
         return lines.Fail(
-            "an element has " + Quote(field) + ", and a number was expected",
-            error_);
+            "an element has " + Quote(field) + ", expected a number", error_);
       }
       numbers_.push_back(reference);
     }
@@ -417,7 +415,7 @@ class DeckReader {
 
   bool FailRange(const LineReader& lines, std::string_view line) const {
     return lines.Fail(
-        "the line is " + Quote(line) + ", and 'first, last, step' was expected",
+        "the line is " + Quote(line) + ", expected 'first, last, step'",
         error_);
   }
 

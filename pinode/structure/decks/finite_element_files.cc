@@ -71,7 +71,7 @@ class ModelReader {
     for (const int role : {kMass, kStiffness}) {
       if (sources_[role]->path.empty()) {
         *error_ = std::string("no file for the ") + RoleName(role) +
-                  " matrix, and one was expected";
+                  " matrix, expected one";
         return false;
       }
     }
@@ -85,7 +85,7 @@ class ModelReader {
           (loaded.kind == LoadedMatrix::Kind::kAbaqus) != abaqus) {
         *error_ = sources_[kStiffness]->path +
                   ": matrices of Abaqus name their DOFs, others go by "
-                  "position, and files of one kind were expected";
+                  "position, expected files of one kind";
         return false;
       }
     }
@@ -122,7 +122,7 @@ class ModelReader {
       if (is_new) continue;
       *error_ = names_source_ + " has " + Quote(names_[i]) + " at " +
                 std::to_string(entry->second + 1) + " and at " +
-                std::to_string(i + 1) + ", and each name was expected once";
+                std::to_string(i + 1) + ", expected each name once";
       return false;
     }
     return true;
@@ -148,8 +148,7 @@ class ModelReader {
     if (!sources_[role]->variable.empty()) {
       return Fail(path, "a matrix is named (" +
                             Quote(sources_[role]->variable) +
-                            ") in a file that holds only one, and none was "
-                            "expected");
+                            ") in a file that holds only one, expected none");
     }
     if (extension == ".sti" || extension == ".mas") {
       loaded.kind = LoadedMatrix::Kind::kIndexed;
@@ -221,7 +220,7 @@ class ModelReader {
         names_source_ = path;
       } else if (names_ != container.dof_names) {
         return Fail(path, "the DOFs are other ones than those of " +
-                              names_source_ + ", and the same were expected");
+                              names_source_ + ", expected the same");
       }
     }
     return true;
@@ -252,7 +251,7 @@ class ModelReader {
         return Fail(source.path,
                     "the " + std::string(RoleName(role)) + " matrix may be " +
                         Quote((*chosen)->name) + " or " + Quote(matrix.name) +
-                        ", and the name of one was expected");
+                        ", expected the name of one");
       }
       *chosen = &matrix;
       count = 1;
@@ -266,10 +265,10 @@ class ModelReader {
                       std::to_string(source.occurrence) + " is beyond that");
     }
     if (count > 1 && source.occurrence == 0) {
-      return Fail(source.path,
-                  Quote((*chosen)->name) + " occurs " + std::to_string(count) +
-                      " times, and occurrence = 1 to " + std::to_string(count) +
-                      " beside its name was expected");
+      return Fail(source.path, Quote((*chosen)->name) + " occurs " +
+                                   std::to_string(count) +
+                                   " times, expected occurrence = 1 to " +
+                                   std::to_string(count) + " beside its name");
     }
     if (*chosen == nullptr && source.variable.empty() &&
         container.matrices.size() == 1 && UsedBy(source.path) == 1) {
@@ -283,7 +282,7 @@ class ModelReader {
                  ? "with a usual name of the " + std::string(RoleName(role)) +
                        " matrix (" + Join(wanted, ", ") + ")"
                  : Quote(source.variable)) +
-            ", and one of these was expected: " +
+            ", expected one of these: " +
             (names.empty() ? "(the file has none)" : Join(names, ", ")));
   }
 
@@ -332,20 +331,18 @@ class ModelReader {
       const std::string& path = sources_[role]->path;
       if (loaded.kind == LoadedMatrix::Kind::kWhole) {
         if (loaded.matrix.rows() != n || loaded.matrix.cols() != n) {
-          return Fail(path,
-                      "the " + std::string(RoleName(role)) + " matrix is " +
-                          SizeText(loaded.matrix.rows(), loaded.matrix.cols()) +
-                          ", and " + SizeText(n, n) + " was expected by " +
-                          SizeSource());
+          return Fail(
+              path, "the " + std::string(RoleName(role)) + " matrix is " +
+                        SizeText(loaded.matrix.rows(), loaded.matrix.cols()) +
+                        ", expected " + SizeText(n, n) + " by " + SizeSource());
         }
         Target(role).swap(loaded.matrix);
       } else if (loaded.kind == LoadedMatrix::Kind::kIndexed) {
         if (loaded.size > n) {
           return Fail(path, "the " + std::string(RoleName(role)) +
                                 " matrix has an entry of DOF " +
-                                std::to_string(loaded.size) + ", and " +
-                                std::to_string(n) + " DOFs were expected by " +
-                                SizeSource());
+                                std::to_string(loaded.size) + ", expected " +
+                                std::to_string(n) + " DOFs by " + SizeSource());
         }
         if (!Assemble(path, static_cast<int>(n), loaded.mirrored,
                       &loaded.entries, &Target(role))) {
@@ -370,15 +367,15 @@ class ModelReader {
     *error_ = path + ":" + std::to_string(twice.line) + ": entry " +
               EntryText(twice.row, twice.column) +
               (mirrored ? " or its mirror image" : "") +
-              " was given before, and each entry was expected once";
+              " was given before, expected each entry once";
     return false;
   }
 
   bool MergeByName() {
     if (!names_path_.empty() || !names_.empty()) {
       return Fail(names_path_.empty() ? names_source_ : names_path_,
-                  "matrices of Abaqus name their DOFs themselves, and no list "
-                  "of names was expected");
+                  "matrices of Abaqus name their DOFs themselves, expected no "
+                  "list of names");
     }
     std::set<NodeDirection> all;
     for (const LoadedMatrix& loaded : loaded_) {
@@ -387,9 +384,8 @@ class ModelReader {
     if (all.size() > static_cast<size_t>(kMaxFiniteElementDofs)) {
       return Fail(sources_[kStiffness]->path,
                   std::to_string(all.size()) +
-                      " DOFs in all files, and at "
-                      "most " +
-                      std::to_string(kMaxFiniteElementDofs) + " were expected");
+                      " DOFs in all files, expected at most " +
+                      std::to_string(kMaxFiniteElementDofs));
     }
     const std::vector<NodeDirection> dofs(all.begin(), all.end());
     const int n = static_cast<int>(dofs.size());

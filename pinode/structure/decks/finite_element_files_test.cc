@@ -420,8 +420,8 @@ TEST_F(FiniteElementFilesTest, FindsMatricesByTheirOccurrence) {
   second.replace(second.rfind(last), last.size(), " 3.0000000000000000E+06\n");
   const std::string path = folder.Write("a.op4", first + second);
   FiniteElementFiles files = Files({path, "mgg"}, {path, "kgg"});
-  EXPECT_THAT(ErrorOf(files), HasSubstr("'mgg' occurs 2 times, and "
-                                        "occurrence = 1 to 2"));
+  EXPECT_THAT(ErrorOf(files),
+              HasSubstr("'mgg' occurs 2 times, expected occurrence = 1 to 2"));
   files.mass.occurrence = 1;
   files.stiffness.occurrence = 1;
   EXPECT_EQ(Matrix(ReadOrFail(files).stiffness), ExpectedStiffness());

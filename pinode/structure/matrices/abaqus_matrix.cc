@@ -51,25 +51,23 @@ bool ReadAbaqusMatrixText(const std::string& path, const std::string& content,
     NamedEntry entry;
     if (fields.size() != 5 || !ParseDof(fields[0], fields[1], &entry.row) ||
         !ParseDof(fields[2], fields[3], &entry.column)) {
-      return lines.Fail(
-          "the line is " + Quote(line) +
-              ", and 'node, direction, node, direction, value' was expected "
-              "(*MATRIX OUTPUT, FORMAT=MATRIX INPUT)",
-          error);
+      return lines.Fail("the line is " + Quote(line) +
+                            ", expected 'node, direction, node, direction, "
+                            "value' (*MATRIX OUTPUT, FORMAT=MATRIX INPUT)",
+                        error);
     }
     double value = 0.0;
     if (!ParseEntry(lines, fields[4], 0, 0, &value, error)) {
-      return lines.Fail("the value is " + Quote(fields[4]) +
-                            ", and a finite number was expected",
-                        error);
+      return lines.Fail(
+          "the value is " + Quote(fields[4]) + ", expected a finite number",
+          error);
     }
     entry.value = value;
     entry.line = lines.number();
     named.push_back(entry);
   }
   if (named.empty()) {
-    return lines.Fail("the file has no entries, and a matrix was expected",
-                      error);
+    return lines.Fail("the file has no entries, expected a matrix", error);
   }
   AbaqusMatrix result;
   for (const NamedEntry& entry : named) {
@@ -80,10 +78,10 @@ bool ReadAbaqusMatrixText(const std::string& path, const std::string& content,
   result.dofs.erase(std::unique(result.dofs.begin(), result.dofs.end()),
                     result.dofs.end());
   if (result.dofs.size() > static_cast<size_t>(kMaxFiniteElementDofs)) {
-    return lines.Fail(
-        std::to_string(result.dofs.size()) + " DOFs, and at most " +
-            std::to_string(kMaxFiniteElementDofs) + " were expected",
-        error);
+    return lines.Fail(std::to_string(result.dofs.size()) +
+                          " DOFs, expected at most " +
+                          std::to_string(kMaxFiniteElementDofs),
+                      error);
   }
   result.entries.reserve(named.size());
   for (const NamedEntry& from : named) {

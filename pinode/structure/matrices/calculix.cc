@@ -65,17 +65,16 @@ bool ReadIndexedEntriesText(const std::string& path, const std::string& content,
     MatrixEntry entry;
     if (words.size() != 3 || !ParseInt(words[0], &entry.row) ||
         !ParseInt(words[1], &entry.column)) {
-      return lines.Fail("the line is " + Quote(line) +
-                            ", and 'row column value' was expected",
-                        error);
+      return lines.Fail(
+          "the line is " + Quote(line) + ", expected 'row column value'",
+          error);
     }
     if (entry.row < 1 || entry.row > kMaxFiniteElementDofs ||
         entry.column < 1 || entry.column > kMaxFiniteElementDofs) {
       return lines.Fail("entry (" + std::to_string(entry.row) + ", " +
                             std::to_string(entry.column) +
-                            ") lies outside, and indices from 1 to " +
-                            std::to_string(kMaxFiniteElementDofs) +
-                            " were expected",
+                            ") lies outside, expected indices from 1 to " +
+                            std::to_string(kMaxFiniteElementDofs),
                         error);
     }
     largest = std::max({largest, entry.row, entry.column});
@@ -89,8 +88,7 @@ bool ReadIndexedEntriesText(const std::string& path, const std::string& content,
     read.push_back(entry);
   }
   if (read.empty()) {
-    return lines.Fail("the file has no entries, and a matrix was expected",
-                      error);
+    return lines.Fail("the file has no entries, expected a matrix", error);
   }
   MatrixEntry at;
   std::string what;
@@ -123,20 +121,19 @@ bool ReadDofNames(const std::string& path, std::vector<std::string>* names,
   while (lines.NextContent('#', &line)) {
     const std::vector<std::string_view> words = SplitBlanks(line);
     if (words.size() != 1) {
-      return lines.Fail("the line is " + Quote(line) +
-                            ", and the name of one DOF was expected",
-                        error);
+      return lines.Fail(
+          "the line is " + Quote(line) + ", expected the name of one DOF",
+          error);
     }
     if (static_cast<int>(read.size()) == kMaxFiniteElementDofs) {
       return lines.Fail("more than " + std::to_string(kMaxFiniteElementDofs) +
-                            " DOFs, and at most as many were expected",
+                            " DOFs, expected at most as many",
                         error);
     }
     read.emplace_back(words[0]);
   }
   if (read.empty()) {
-    return lines.Fail("the file is empty, and the names of DOFs were expected",
-                      error);
+    return lines.Fail("the file is empty, expected the names of DOFs", error);
   }
   *names = std::move(read);
   return true;

@@ -92,7 +92,7 @@ bool SparseEntries(const matvar_t& variable, std::vector<MatrixEntry>* entries,
       const size_t row = sparse->ir[k];
       if (row >= rows) {
         *what = "has an entry in row " + std::to_string(row + 1) +
-                ", and at most " + std::to_string(rows) + " was expected";
+                ", expected at most " + std::to_string(rows);
         return false;
       }
       if (!AddEntry(row, j, MatlabNumberAt(sparse->data, variable.data_type, k),
@@ -117,7 +117,7 @@ bool BuildMatrix(const matvar_t& variable, SparseMatrix* matrix,
                       static_cast<int>(variable.dims[1]), /*mirrored=*/false,
                       &entries, matrix, &twice)) {
     *what = "has the entry " + EntryText(twice.row, twice.column) +
-            " twice, and once was expected";
+            " twice, expected once";
     return false;
   }
   return true;
@@ -159,7 +159,7 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
           cells[i]->rank != 2 || cells[i]->dims[0] != 1 ||
           !CharacterRow(*cells[i], 0, &name)) {
         *what = "has no name in cell " + std::to_string(i + 1) +
-                ", and text in ASCII was expected";
+                ", expected text in ASCII";
         return false;
       }
       names->push_back(std::move(name));
@@ -171,7 +171,7 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
       std::string name;
       if (!CharacterRow(variable, i, &name)) {
         *what = "has no name in row " + std::to_string(i + 1) +
-                ", and text in ASCII was expected";
+                ", expected text in ASCII";
         return false;
       }
       names->push_back(std::move(name));
@@ -188,7 +188,7 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
         if (!(number >= 0.0 && number <= 1e15 &&
               number == std::trunc(number))) {
           *what = "has no integer in row " + std::to_string(i + 1) +
-                  ", and node and direction were expected";
+                  ", expected node and direction";
           return false;
         }
         name += (name.empty() ? "" : ".") +
@@ -199,8 +199,8 @@ bool BuildNames(const matvar_t& variable, std::vector<std::string>* names,
     return true;
   }
   *what =
-      "names no DOFs, and a cell array of strings, a character array or pairs "
-      "(node, direction) were expected";
+      "names no DOFs, expected a cell array of strings, a character array or "
+      "pairs (node, direction)";
   return false;
 }
 
@@ -217,8 +217,7 @@ bool CheckSize(const matvar_t& variable, size_t file_size, std::string* what) {
                              : static_cast<size_t>(kMaxFullDofs);
   if (rows < 1 || columns < 1 || rows > largest || columns > largest) {
     *what = "is " + std::to_string(rows) + " x " + std::to_string(columns) +
-            ", and 1 to " + std::to_string(largest) +
-            " rows and columns were expected" +
+            ", expected 1 to " + std::to_string(largest) + " rows and columns" +
             (sparse ? "" : "; save larger ones sparse");
     return false;
   }

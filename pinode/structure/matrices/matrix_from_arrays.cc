@@ -25,9 +25,8 @@ bool ReadShape(const NumpyArray& shape, int64_t* rows, int64_t* columns,
   *columns = shape.IndexAt(1);
   if (*rows < 1 || *columns < 1 || *rows > kMaxFiniteElementDofs ||
       *columns > kMaxFiniteElementDofs) {
-    *what = "is " + SizeText(*rows, *columns) + ", and 1 to " +
-            std::to_string(kMaxFiniteElementDofs) +
-            " rows and columns were expected";
+    *what = "is " + SizeText(*rows, *columns) + ", expected 1 to " +
+            std::to_string(kMaxFiniteElementDofs) + " rows and columns";
     return false;
   }
   return true;
@@ -120,7 +119,7 @@ bool MatrixFromParts(const SparseParts& parts, SparseMatrix* matrix,
   if (!AssembleMatrix(static_cast<int>(rows), static_cast<int>(columns),
                       /*mirrored=*/false, &entries, matrix, &twice)) {
     *what = "has the entry " + EntryText(twice.row, twice.column) +
-            " twice, and once was expected (sum_duplicates() in SciPy)";
+            " twice, expected once (sum_duplicates() in SciPy)";
     return false;
   }
   return true;
@@ -165,8 +164,8 @@ bool NamesFromArray(const NumpyArray& array, std::vector<std::string>* names,
       names->push_back(array.TextAt(i));
       if (names->back().empty() ||
           FirstInvalidUtf8(names->back()) != std::string::npos) {
-        *what = "has no name for DOF " + std::to_string(i + 1) +
-                ", and text was expected";
+        *what =
+            "has no name for DOF " + std::to_string(i + 1) + ", expected text";
         return false;
       }
     }
@@ -180,7 +179,7 @@ bool NamesFromArray(const NumpyArray& array, std::vector<std::string>* names,
           array.IndexAt(array.fortran_order ? rows + i : 2 * i + 1);
       if (node < 0 || direction < 0) {
         *what = "has a negative number in row " + std::to_string(i + 1) +
-                ", and node and direction were expected";
+                ", expected node and direction";
         return false;
       }
       names->push_back(std::to_string(node) + "." + std::to_string(direction));
@@ -188,8 +187,8 @@ bool NamesFromArray(const NumpyArray& array, std::vector<std::string>* names,
     return true;
   }
   *what =
-      "is neither a list of names nor of pairs (node, direction), and one of "
-      "these was expected";
+      "is neither a list of names nor of pairs (node, direction), expected one "
+      "of these";
   return false;
 }
 

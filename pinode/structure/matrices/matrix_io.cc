@@ -39,17 +39,15 @@ bool ReadCsv(LineReader lines, Matrix* matrix, std::string* error) {
       first_line = lines.number();
     }
     if (fields.size() != columns) {
-      return lines.Fail(std::to_string(fields.size()) + " entries, and " +
-                            std::to_string(columns) +
-                            " were expected, as in line " +
+      return lines.Fail(std::to_string(fields.size()) + " entries, expected " +
+                            std::to_string(columns) + ", as in line " +
                             std::to_string(first_line),
                         error);
     }
     if (columns > kMaxMatrixDimension || rows == kMaxMatrixDimension) {
       return lines.Fail("the matrix has more than " +
                             std::to_string(kMaxMatrixDimension) +
-                            " rows or columns, and a condensed model was "
-                            "expected",
+                            " rows or columns, expected a condensed model",
                         error);
     }
     for (size_t j = 0; j < columns; ++j) {
@@ -63,8 +61,7 @@ bool ReadCsv(LineReader lines, Matrix* matrix, std::string* error) {
     ++rows;
   }
   if (rows == 0) {
-    return lines.Fail("the file has no entries, and a matrix was expected",
-                      error);
+    return lines.Fail("the file has no entries, expected a matrix", error);
   }
   using RowMajor =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -83,8 +80,8 @@ bool ReadMatrix(const std::string& path, Matrix* matrix, std::string* error) {
       LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
   if (extension != ".csv" && extension != ".mtx") {
     *error = path +
-             ": a matrix file ends in .csv or .mtx (Matrix Market), and one of "
-             "these was expected";
+             ": a matrix file ends in .csv or .mtx (Matrix Market), expected "
+             "one of these";
     return false;
   }
   std::string content;

@@ -38,44 +38,42 @@ bool ReadBanner(LineReader* lines, MatrixMarketHeader* header,
   if (words.size() != 5 || words[0] != "%%matrixmarket" ||
       words[1] != "matrix") {
     return lines->Fail(
-        "no Matrix Market banner, and '%%MatrixMarket matrix "
-        "coordinate|array real|integer general|symmetric' was expected",
+        "no Matrix Market banner, expected '%%MatrixMarket matrix "
+        "coordinate|array real|integer general|symmetric'",
         error);
   }
   const std::string& format = words[2];
   if (format != "coordinate" && format != "array") {
-    return lines->Fail("the format is " + Quote(format) +
-                           ", and coordinate or array was expected",
-                       error);
+    return lines->Fail(
+        "the format is " + Quote(format) + ", expected coordinate or array",
+        error);
   }
   const std::string& field = words[3];
   if (field == "pattern") {
     return lines->Fail(
-        "the field is 'pattern', which has no values, and real or integer was "
-        "expected",
+        "the field is 'pattern', which has no values, expected real or integer",
         error);
   }
   if (field == "complex") {
     return lines->Fail(
-        "the field is 'complex', and real or integer was expected: mass, "
-        "damping and stiffness are real",
+        "the field is 'complex', expected real or integer: mass, damping and "
+        "stiffness are real",
         error);
   }
   if (field != "real" && field != "double" && field != "integer") {
     return lines->Fail(
-        "the field is " + Quote(field) + ", and real or integer was expected",
-        error);
+        "the field is " + Quote(field) + ", expected real or integer", error);
   }
   const std::string& symmetry = words[4];
   if (symmetry == "skew-symmetric" || symmetry == "hermitian") {
     return lines->Fail("the matrix is " + symmetry +
-                           ", and general or symmetric was expected: mass, "
-                           "damping and stiffness are symmetric",
+                           ", expected general or symmetric: mass, damping and "
+                           "stiffness are symmetric",
                        error);
   }
   if (symmetry != "general" && symmetry != "symmetric") {
     return lines->Fail("the symmetry is " + Quote(symmetry) +
-                           ", and general or symmetric was expected",
+                           ", expected general or symmetric",
                        error);
   }
   header->coordinate = format == "coordinate";
@@ -90,9 +88,9 @@ bool ReadSizes(LineReader* lines, int max_dimension, MatrixMarketHeader* header,
       header->coordinate ? "'rows columns entries'" : "'rows columns'";
   std::string_view line;
   if (!lines->NextContent('%', &line)) {
-    return lines->Fail(std::string("the file ends before its size line, and ") +
-                           expected + " was expected",
-                       error);
+    return lines->Fail(
+        std::string("the file ends before its size line, expected ") + expected,
+        error);
   }
   const std::vector<std::string_view> words = SplitBlanks(line);
   int entries = 0;
@@ -100,37 +98,36 @@ bool ReadSizes(LineReader* lines, int max_dimension, MatrixMarketHeader* header,
       !ParseInt(words[0], &header->rows) ||
       !ParseInt(words[1], &header->columns) ||
       (header->coordinate && !ParseInt(words[2], &entries))) {
-    return lines->Fail("the size line is " + Quote(line) + ", and " + expected +
-                           " was expected, in integers",
+    return lines->Fail("the size line is " + Quote(line) + ", expected " +
+                           expected + ", in integers",
                        error);
   }
   if (header->rows < 1 || header->columns < 1 || entries < 0) {
-    return lines->Fail("the size line is " + Quote(line) +
-                           ", and a matrix with at least one row and column "
-                           "was expected",
-                       error);
+    return lines->Fail(
+        "the size line is " + Quote(line) +
+            ", expected a matrix with at least one row and column",
+        error);
   }
   if (header->rows > max_dimension || header->columns > max_dimension) {
     return lines->Fail("the matrix is " +
                            SizeText(header->rows, header->columns) +
-                           ", and at most " + std::to_string(max_dimension) +
-                           " rows and columns were expected",
+                           ", expected at most " +
+                           std::to_string(max_dimension) + " rows and columns",
                        error);
   }
   if (header->symmetric && header->rows != header->columns) {
-    return lines->Fail("the matrix is " +
-                           SizeText(header->rows, header->columns) +
-                           " and called symmetric, and as many rows as columns "
-                           "were expected",
-                       error);
+    return lines->Fail(
+        "the matrix is " + SizeText(header->rows, header->columns) +
+            " and called symmetric, expected as many rows as columns",
+        error);
   }
   const int64_t rows = header->rows;
   const int64_t places =
       header->symmetric ? rows * (rows + 1) / 2 : rows * header->columns;
   if (entries > places) {
     return lines->Fail(std::to_string(entries) +
-                           " entries are announced, and at most " +
-                           std::to_string(places) + " were expected in a " +
+                           " entries are announced, expected at most " +
+                           std::to_string(places) + " in a " +
                            SizeText(header->rows, header->columns) +
                            (header->symmetric ? " symmetric" : "") + " matrix",
                        error);
@@ -146,8 +143,7 @@ bool ParseMarketEntry(const LineReader& lines, const MatrixMarketHeader& header,
   if (!ParseEntry(lines, text, row, column, value, error)) return false;
   if (header.integer && *value != std::trunc(*value)) {
     return lines.Fail("entry " + EntryText(row, column) + " is " + Quote(text) +
-                          ", and an integer was expected, as the first line "
-                          "says",
+                          ", expected an integer, as the first line says",
                       error);
   }
   return true;
@@ -156,8 +152,8 @@ bool ParseMarketEntry(const LineReader& lines, const MatrixMarketHeader& header,
 bool FailTruncated(const LineReader& lines, const MatrixMarketHeader& header,
                    int64_t found, std::string* error) {
   return lines.Fail("the file ends after " + std::to_string(found) +
-                        " entries, and " + std::to_string(header.num_entries) +
-                        " were expected by line " +
+                        " entries, expected " +
+                        std::to_string(header.num_entries) + " by line " +
                         std::to_string(header.size_line),
                     error);
 }
@@ -182,17 +178,17 @@ bool ReadCoordinateEntries(LineReader* lines, const MatrixMarketHeader& header,
     MatrixEntry entry;
     if (words.size() != 3 || !ParseInt(words[0], &entry.row) ||
         !ParseInt(words[1], &entry.column)) {
-      return lines->Fail("the line is " + Quote(line) +
-                             ", and 'row column value' was expected",
-                         error);
+      return lines->Fail(
+          "the line is " + Quote(line) + ", expected 'row column value'",
+          error);
     }
     if (entry.row < 1 || entry.row > header.rows || entry.column < 1 ||
         entry.column > header.columns) {
       return lines->Fail("entry (" + std::to_string(entry.row) + ", " +
                              std::to_string(entry.column) +
-                             ") lies outside, and indices from 1 to " +
+                             ") lies outside, expected indices from 1 to " +
                              std::to_string(header.rows) + " and 1 to " +
-                             std::to_string(header.columns) + " were expected",
+                             std::to_string(header.columns),
                          error);
     }
     --entry.row;
@@ -276,12 +272,11 @@ bool ReadMatrixMarketText(const std::string& path, const std::string& content,
   MatrixEntry twice;
   if (!AssembleMatrix(header.rows, header.columns, header.symmetric, &entries,
                       matrix, &twice)) {
-    return lines.FailAt(
-        twice.line,
-        "entry " + EntryText(twice.row, twice.column) +
-            (header.symmetric ? " or its mirror image" : "") +
-            " was given before, and each entry was expected once",
-        error);
+    return lines.FailAt(twice.line,
+                        "entry " + EntryText(twice.row, twice.column) +
+                            (header.symmetric ? " or its mirror image" : "") +
+                            " was given before, expected each entry once",
+                        error);
   }
   return true;
 }

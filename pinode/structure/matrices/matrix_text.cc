@@ -81,12 +81,12 @@ bool ParseEntry(const LineReader& lines, std::string_view text,
                 std::string* error) {
   if (!ParseDouble(text, value)) {
     return lines.Fail("entry " + EntryText(row, column) + " is " + Quote(text) +
-                          ", and a number was expected",
+                          ", expected a number",
                       error);
   }
   if (!std::isfinite(*value)) {
     return lines.Fail("entry " + EntryText(row, column) + " is " + Quote(text) +
-                          ", and a finite number was expected",
+                          ", expected a finite number",
                       error);
   }
   return true;

@@ -76,7 +76,7 @@ bool ReadMatrixVariable(const std::string& path, const std::string& variable,
   if (chosen->matrix.rows() > kMaxMatrixDimension ||
       chosen->matrix.cols() > kMaxMatrixDimension) {
     *error = where + "has more than " + std::to_string(kMaxMatrixDimension) +
-             " rows or columns, and a condensed model was expected";
+             " rows or columns, expected a condensed model";
     return false;
   }
   *matrix = Matrix(chosen->matrix);

@@ -65,7 +65,7 @@ ArrayUse FindSparse(const Arrays& arrays, const std::string& prefix,
   if (!complete || (!format.empty() && format != "csr" && format != "csc" &&
                     format != "coo")) {
     *what = "is of the sparse format " + Quote(format) +
-            ", and csr, csc or coo was expected";
+            ", expected csr, csc or coo";
     return ArrayUse::kBad;
   }
   parts->by_columns = format == "csc";
@@ -97,7 +97,7 @@ bool ReadNpzContent(const std::string& path, const std::string& content,
     matrix.name = name;
     if (IsDofArray(name)) {
       if (!result.dof_names.empty()) {
-        return fail(name, "names the DOFs again, and once was expected");
+        return fail(name, "names the DOFs again, expected once");
       }
       if (!NamesFromArray(array, &result.dof_names, &what)) {
         return fail(name, what);
@@ -128,8 +128,8 @@ bool ReadNpzContent(const std::string& path, const std::string& content,
   for (const std::string& name : others) {
     if (IsDofArray(name)) {
       return fail(name,
-                  "is of a type that only Python reads (objects), and text or "
-                  "integers were expected: numpy.array(names, dtype=str)");
+                  "is of a type that only Python reads (objects), expected "
+                  "text or integers: numpy.array(names, dtype=str)");
     }
     NamedMatrix matrix;
     matrix.name = name;

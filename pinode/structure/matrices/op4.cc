@@ -29,7 +29,7 @@ bool ReadOp4Content(const std::string& path, const std::string& content,
   }
   if (!ReadOp4Ascii(path, content, &result, error)) return false;
   if (result.matrices.empty()) {
-    *error = path + ":1: the file is empty, and a matrix was expected";
+    *error = path + ":1: the file is empty, expected a matrix";
     return false;
   }
   *container = std::move(result);

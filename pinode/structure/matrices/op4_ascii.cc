@@ -48,8 +48,8 @@ class Op4AsciiReader {
       if (!ParseInt(Field(line, 8 * i, 8), &fields[i])) {
         return lines_.Fail(
             "the line is " + Quote(line) +
-                ", and the header of a matrix was expected: columns, rows, "
-                "form and type in 8 places each, name, format",
+                ", expected the header of a matrix: columns, rows, form and "
+                "type in 8 places each, name, format",
             error);
       }
     }
@@ -79,7 +79,7 @@ class Op4AsciiReader {
         !ParseInt(rest.substr(letter + 1, point - letter - 1), &width_) ||
         per_line_ < 1 || per_line_ > 1000 || width_ < 1 || width_ > 1000) {
       return lines_.Fail("the format is " + Quote(format) +
-                             ", and one such as '1P,5E16.9' was expected",
+                             ", expected one such as '1P,5E16.9'",
                          error);
     }
     return true;
@@ -89,9 +89,8 @@ class Op4AsciiReader {
                 std::string* error) {
     if (lines_.NextRaw(line)) return true;
     return lines_.Fail("the file ends inside matrix " + Quote(matrix.name) +
-                           ", and its last column (" +
-                           std::to_string(matrix.columns + 1) +
-                           ") was expected",
+                           ", expected its last column (" +
+                           std::to_string(matrix.columns + 1) + ")",
                        error);
   }
 
@@ -109,8 +108,8 @@ class Op4AsciiReader {
           !ParseInt(Field(line, 16, 8), &words) || column < 1 || row < 0 ||
           words < 0) {
         return lines_.Fail("the line is " + Quote(line) +
-                               ", and column, first row and number of words "
-                               "were expected, in 8 places each",
+                               ", expected column, first row and number of "
+                               "words, in 8 places each",
                            error);
       }
       if (column > matrix->columns) {
@@ -156,8 +155,8 @@ class Op4AsciiReader {
       if (!parsed || length < 1 || length % words_per_number != 0 ||
           length + (matrix->big ? 2 : 1) > words) {
         return lines_.Fail("the line is " + Quote(line) +
-                               ", and the header of a string of at most " +
-                               std::to_string(words) + " words was expected",
+                               ", expected the header of a string of at most " +
+                               std::to_string(words) + " words",
                            error);
       }
       if (!matrix->Fits(row, numbers)) {

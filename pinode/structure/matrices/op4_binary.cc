@@ -83,7 +83,7 @@ class Op4BinaryReader {
     const size_t left = bytes_.size() - position_;
     if (left < 2 * marker_) {
       *what = "the file ends at byte " + std::to_string(bytes_.size()) +
-              ", and a record was expected";
+              ", expected a record";
       return false;
     }
     const int64_t length = LengthAt(position_);
@@ -100,8 +100,8 @@ class Op4BinaryReader {
     if (LengthAt(position_) != length) {
       *what = "the record that ends at byte " + std::to_string(position_) +
               " says " + std::to_string(LengthAt(position_)) +
-              " bytes behind, and " + std::to_string(length) +
-              " was expected as before it";
+              " bytes behind, expected " + std::to_string(length) +
+              " as before it";
       return false;
     }
     position_ += marker_;
@@ -122,8 +122,8 @@ class Op4BinaryReader {
     // Checked before the number is negated, which could overflow.
     if (rows < -kMaxFiniteElementDofs) {
       *what = "matrix " + Quote(matrix->name) + " has " + std::to_string(rows) +
-              " rows, and at most " + std::to_string(kMaxFiniteElementDofs) +
-              " were expected";
+              " rows, expected at most " +
+              std::to_string(kMaxFiniteElementDofs);
       return false;
     }
     return matrix->SetSize(IntegerAt(record, 0), rows, what);
@@ -139,7 +139,7 @@ class Op4BinaryReader {
       if (record.size() < 3 * word_) {
         *what = "a record of " + std::to_string(record.size()) +
                 " bytes stands in matrix " + Quote(matrix->name) +
-                ", and column, first row and number of words were expected";
+                ", expected column, first row and number of words";
         return false;
       }
       const int64_t column = IntegerAt(record, 0);
@@ -152,8 +152,8 @@ class Op4BinaryReader {
         *what = "column " + std::to_string(column) + ", first row " +
                 std::to_string(row) + " and " + std::to_string(words) +
                 " words stand in matrix " + Quote(matrix->name) +
-                ", and a column with at most " + std::to_string(available) +
-                " words was expected";
+                ", expected a column with at most " +
+                std::to_string(available) + " words";
         return false;
       }
       const Bytes data =

@@ -22,8 +22,8 @@ std::string Op4Matrix::PlaceText(int64_t row, int64_t column,
                                  int64_t numbers) const {
   return std::to_string(numbers) + " numbers from row " +
          std::to_string(row + 1) + " of column " + std::to_string(column + 1) +
-         " of " + Quote(name) + " do not fit, and " + SizeText(rows, columns) +
-         " was expected";
+         " of " + Quote(name) + " do not fit, expected " +
+         SizeText(rows, columns);
 }
 
 bool Op4Matrix::SetSize(int64_t header_columns, int64_t header_rows,
@@ -34,14 +34,13 @@ bool Op4Matrix::SetSize(int64_t header_columns, int64_t header_rows,
   if (columns < 1 || rows < 1 || columns > kMaxFiniteElementDofs ||
       rows > kMaxFiniteElementDofs) {
     *what = "matrix " + Quote(name) + " is " + std::to_string(header_rows) +
-            " x " + std::to_string(header_columns) + ", and 1 to " +
-            std::to_string(kMaxFiniteElementDofs) +
-            " rows and columns were expected";
+            " x " + std::to_string(header_columns) + ", expected 1 to " +
+            std::to_string(kMaxFiniteElementDofs) + " rows and columns";
     return false;
   }
   if (type < 1 || type > 4) {
     *what = "matrix " + Quote(name) + " has type " + std::to_string(type) +
-            ", and 1 to 4 was expected";
+            ", expected 1 to 4";
     return false;
   }
   return true;
@@ -56,15 +55,14 @@ bool Op4Matrix::Finish(MatrixContainer* container, int* failed_line,
     result.fault = "it is complex";
   } else if (form != 1 && form != 2 && form != 6 && form != 9) {
     result.fault = "its form is " + std::to_string(form) +
-                   ", and 1 (square) or 6 (symmetric) was expected";
+                   ", expected 1 (square) or 6 (symmetric)";
   } else {
     MatrixEntry twice;
     if (!AssembleMatrix(static_cast<int>(rows), static_cast<int>(columns),
                         /*mirrored=*/false, &entries, &result.matrix, &twice)) {
       *failed_line = twice.line;
       *what = "entry " + EntryText(twice.row, twice.column) + " of " +
-              Quote(name) +
-              " was given before, and each entry was expected once";
+              Quote(name) + " was given before, expected each entry once";
       return false;
     }
   }

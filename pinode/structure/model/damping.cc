@@ -27,20 +27,19 @@ bool RayleighFromRatios(double frequency_a_hz, double ratio_a,
   for (const double frequency : {frequency_a_hz, frequency_b_hz}) {
     if (std::isfinite(frequency) && frequency > 0.0) continue;
     *error = "Rayleigh damping: the frequency is " +
-             FormatNumber(frequency, 6) +
-             " Hz, and a positive number was expected";
+             FormatNumber(frequency, 6) + " Hz, expected a positive number";
     return false;
   }
   for (const double ratio : {ratio_a, ratio_b}) {
     if (std::isfinite(ratio) && ratio >= 0.0) continue;
     *error = "Rayleigh damping: the damping ratio is " +
-             FormatNumber(ratio, 6) + ", and zero or more was expected";
+             FormatNumber(ratio, 6) + ", expected zero or more";
     return false;
   }
   if (frequency_a_hz == frequency_b_hz) {
     *error = "Rayleigh damping: both frequencies are " +
              FormatNumber(frequency_a_hz, 6) +
-             " Hz, and two different ones were expected";
+             " Hz, expected two different ones";
     return false;
   }
   // zeta = a0 / (2 w) + a1 w / 2 at both frequencies, by Cramer's rule.
@@ -82,14 +81,14 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
   const Eigen::Index n = mass.rows();
   if (ratios.size() == 0 || ratios.size() > n) {
     *error = "modal damping: " + std::to_string(ratios.size()) +
-             " damping ratios, and 1 to " + std::to_string(n) +
-             " were expected, one a mode";
+             " damping ratios, expected 1 to " + std::to_string(n) +
+             ", one a mode";
     return false;
   }
   for (Eigen::Index i = 0; i < ratios.size(); ++i) {
     if (std::isfinite(ratios[i]) && ratios[i] >= 0.0) continue;
     *error = "modal damping: ratio " + std::to_string(i + 1) + " is " +
-             FormatNumber(ratios[i], 6) + ", and zero or more was expected";
+             FormatNumber(ratios[i], 6) + ", expected zero or more";
     return false;
   }
   ModalProperties modes;

@@ -14,8 +14,8 @@ bool IsListValid(const char* what, const std::vector<double>& values, int size,
                  bool zero_allowed, std::string* error) {
   if (static_cast<int>(values.size()) != size) {
     *error = "shear building: " + std::to_string(values.size()) + " " + what +
-             ", and " + std::to_string(size) +
-             " were expected, one a storey as for the masses";
+             ", expected " + std::to_string(size) +
+             ", one a storey as for the masses";
     return false;
   }
   for (size_t i = 0; i < values.size(); ++i) {
@@ -24,9 +24,8 @@ bool IsListValid(const char* what, const std::vector<double>& values, int size,
       continue;
     }
     *error = "shear building: entry " + std::to_string(i + 1) + " of the " +
-             what + " is " + FormatNumber(values[i], 6) + ", and a " +
-             (zero_allowed ? "number of zero or more" : "positive number") +
-             " was expected";
+             what + " is " + FormatNumber(values[i], 6) + ", expected a " +
+             (zero_allowed ? "number of zero or more" : "positive number");
     return false;
   }
   return true;
@@ -43,7 +42,7 @@ bool ShearBuilding::IsValid(std::string* error) const {
   CHECK(error != nullptr);
   const int n = num_storeys();
   if (n == 0) {
-    *error = "shear building: no masses, and one a floor was expected";
+    *error = "shear building: no masses, expected one a floor";
     return false;
   }
   if (!IsListValid("masses", masses, n, false, error) ||
@@ -55,8 +54,7 @@ bool ShearBuilding::IsValid(std::string* error) const {
   }
   if (!dof_names.empty() && static_cast<int>(dof_names.size()) != n) {
     *error = "shear building: " + std::to_string(dof_names.size()) +
-             " DOF names, and " + std::to_string(n) +
-             " were expected, one a floor";
+             " DOF names, expected " + std::to_string(n) + ", one a floor";
     return false;
   }
   return true;
@@ -92,7 +90,7 @@ bool StoreyGroup(const ShearBuilding& building, MatrixGroup::Target target,
   const int n = building.num_storeys();
   if (storey < 1 || storey > n) {
     *error = "shear building: there is no storey " + std::to_string(storey) +
-             ", and 1 (the lowest) to " + std::to_string(n) + " was expected";
+             ", expected 1 (the lowest) to " + std::to_string(n);
     return false;
   }
   const size_t i = static_cast<size_t>(storey) - 1;

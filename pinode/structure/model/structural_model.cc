@@ -57,9 +57,9 @@ bool HasSizeAndFiniteEntries(const std::string& what, const Matrix& matrix,
   const int rows = static_cast<int>(row_names.size());
   const int columns = static_cast<int>(column_names.size());
   if (matrix.rows() != rows || matrix.cols() != columns) {
-    *error = what + " is " + SizeText(matrix.rows(), matrix.cols()) + ", and " +
-             SizeText(rows, columns) +
-             " was expected: one row per DOF, one column per " + columns_are;
+    *error = what + " is " + SizeText(matrix.rows(), matrix.cols()) +
+             ", expected " + SizeText(rows, columns) +
+             ": one row per DOF, one column per " + columns_are;
     return false;
   }
   for (int j = 0; j < columns; ++j) {
@@ -67,7 +67,7 @@ bool HasSizeAndFiniteEntries(const std::string& what, const Matrix& matrix,
       if (std::isfinite(matrix(i, j))) continue;
       *error = what + ": entry " + EntryText(row_names, column_names, i, j) +
                " is " + FormatNumber(matrix(i, j), 6) +
-               ", and a finite number was expected";
+               ", expected a finite number";
       return false;
     }
   }

@@ -369,20 +369,21 @@ bool CheckOptions(const FiniteElementModel& model,
   const bool uses_modes =
       modal || options.method == ReductionMethod::kCraigBampton;
   if (!modal && options.kept_dofs.empty()) {
-    *error = "no kept DOFs are named, and at least one was expected";
+    *error = "no kept DOFs are named, expected at least one";
     return false;
   }
   const int least = modal ? 1 : 0;
   if (options.num_modes < least || (!uses_modes && options.num_modes > 0)) {
-    *error = std::to_string(options.num_modes) + " modes are asked for, and " +
+    *error = std::to_string(options.num_modes) +
+             " modes are asked for, expected " +
              (uses_modes ? "at least " + std::to_string(least)
                          : std::string("none")) +
-             " was expected of this method";
+             " of this method";
     return false;
   }
   if (options.num_compared_modes < 1) {
     *error = std::to_string(options.num_compared_modes) +
-             " modes are to be compared, and at least 1 was expected";
+             " modes are to be compared, expected at least 1";
     return false;
   }
   if (options.num_modes > model.num_dofs()) {
