@@ -59,6 +59,10 @@ bool DeckAssembly::Read(const std::string& path, const std::string& content,
     return false;
   }
   NameSets();
+  for (const std::string& file : parts_.outside) {
+    geometry_.notes.push_back("the deck includes " + file +
+                              ", which is not in its folder");
+  }
   for (const auto& [type, count] : parts_.unknown_types) {
     geometry_.notes.push_back(
         std::to_string(count) + " elements of type " + type +

@@ -9,9 +9,9 @@
 namespace pinode {
 namespace {
 
-bool AddBlocks(const std::string& path, const std::string& main,
-               const std::string& content, int depth,
-               std::vector<DeckBlock>* blocks, std::string* error) {
+bool AddBlocks(const std::string& path, const std::string& content, int depth,
+               DeckIncludes* includes, std::vector<DeckBlock>* blocks,
+               std::string* error) {
   // The last line gets the same line end as the others.
   const bool cut = !content.empty() && content.back() != '\n' &&
                    content.find("\r\n") != std::string::npos;
@@ -45,9 +45,9 @@ bool AddBlocks(const std::string& path, const std::string& main,
       continue;
     }
     std::string other, included;
-    if (!ReadDeckInclude(lines, block.keyword, path, main, depth, &other,
-                         &included, error) ||
-        !AddBlocks(other, main, included, depth + 1, blocks, error)) {
+    if (!includes->Read(lines, block.keyword, path, depth, &other, &included,
+                        error) ||
+        !AddBlocks(other, included, depth + 1, includes, blocks, error)) {
       return false;
     }
   }
@@ -68,7 +68,8 @@ std::vector<size_t> DeckBlock::DataLines() const {
 bool ReadDeckBlocks(const std::string& path, const std::string& content,
                     std::vector<DeckBlock>* blocks, std::string* error) {
   blocks->clear();
-  return AddBlocks(path, path, content, 0, blocks, error);
+  DeckIncludes includes(path);
+  return AddBlocks(path, content, 0, &includes, blocks, error);
 }
 
 std::string DeckLineEnd(const std::string& line) {

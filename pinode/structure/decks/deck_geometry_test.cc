@@ -8,6 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/structure/decks/deck_blocks.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -123,6 +124,47 @@ TEST(DeckGeometryTest, IncludesMayNameOthers) {
   EXPECT_EQ(geometry.num_nodes(), 2);
   EXPECT_EQ(geometry.elements.size(), 1u);
   EXPECT_THAT(geometry.sets[0].elements, ElementsAre(0));
+}
+
+// Ten files that each include all ten would be read 10^10 times.
+TEST(DeckGeometryTest, IncludesEnd) {
+  TemporaryFolder folder;
+  std::string all;
+  for (int i = 0; i < 10; ++i) {
+    all += "*INCLUDE,INPUT=i" + std::to_string(i) + ".inp\n";
+  }
+  // The last one holds nothing, so that no depth is too large.
+  for (int depth = 0; depth < 9; ++depth) {
+    std::string next;
+    for (int i = 0; i < 10; ++i) {
+      next += "*INCLUDE,INPUT=i" + std::to_string(depth + 1) + ".inp\n";
+    }
+    folder.Write("i" + std::to_string(depth) + ".inp", next);
+  }
+  folder.Write("i9.inp", "*NODE\n");
+  const std::string path = folder.Write("deck.inp", all);
+  StructureGeometry geometry;
+  std::string error;
+  EXPECT_FALSE(ReadDeckGeometry(path, &geometry, &error));
+  EXPECT_THAT(error, HasSubstr("*INCLUDE is one of more than 1000"));
+  std::vector<DeckBlock> blocks;
+  EXPECT_FALSE(ReadDeckBlocks(path, all, &blocks, &error));
+  EXPECT_THAT(error, HasSubstr("*INCLUDE is one of more than 1000"));
+}
+
+TEST(DeckGeometryTest, IncludesOutsideOfTheFolderAreNamed) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder.Path("sub"));
+  folder.Write("nodes.inp", "*NODE\n1,0,0,0\n2,0,0,1\n");
+  folder.Write("sub/bars.inp", "*ELEMENT,TYPE=T3D2\n1,1,2\n");
+  const std::string path =
+      folder.Write("sub/deck.inp",
+                   "*INCLUDE, INPUT=../nodes.inp\n*INCLUDE,INPUT=bars.inp\n");
+  StructureGeometry geometry;
+  std::string error;
+  ASSERT_TRUE(ReadDeckGeometry(path, &geometry, &error)) << error;
+  ASSERT_EQ(geometry.notes.size(), 1u);
+  EXPECT_THAT(geometry.notes[0], HasSubstr("nodes.inp, which is not in its"));
 }
 
 TEST(DeckGeometryTest, RefusesWithTheLine) {

@@ -76,11 +76,11 @@ std::string WithoutDeckQuotes(const std::string& name) {
   return quoted ? name.substr(1, name.size() - 2) : name;
 }
 
-bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,
-                     const std::string& path, const std::string& main,
-                     int depth, std::string* file, std::string* content,
-                     std::string* error) {
+bool DeckIncludes::Read(const LineReader& lines, const DeckKeyword& keyword,
+                        const std::string& path, int depth, std::string* file,
+                        std::string* content, std::string* error) {
   constexpr int kMostDepth = 10;
+  constexpr int kMostFiles = 1000;
   const std::string* input = keyword.Find("INPUT");
   if (input == nullptr || input->empty()) {
     return lines.Fail("*INCLUDE has no INPUT, expected a file", error);
@@ -91,15 +91,33 @@ bool ReadDeckInclude(const LineReader& lines, const DeckKeyword& keyword,
                           std::to_string(kMostDepth),
                       error);
   }
+  if (++count_ > kMostFiles) {
+    return lines.Fail("*INCLUDE is one of more than " +
+                          std::to_string(kMostFiles) +
+                          " of the deck, expected fewer: do files include "
+                          "each other?",
+                      error);
+  }
   namespace fs = std::filesystem;
   const fs::path name(WithoutDeckQuotes(*input));
   *file = (fs::path(path).parent_path() / name).string();
-  const fs::path beside_main = fs::path(main).parent_path() / name;
+  const fs::path beside_main = fs::path(main_).parent_path() / name;
   std::error_code status;
   if (!fs::exists(*file, status) && fs::exists(beside_main, status)) {
     *file = beside_main.string();
   }
-  return ReadTextOfAnyEncoding(*file, content, error);
+  if (!ReadTextOfAnyEncoding(*file, content, error)) return false;
+  std::string what;
+  if (!size_.Take(static_cast<double>(content->size()), &what)) {
+    return lines.Fail("what *INCLUDE brings " + what, error);
+  }
+  const fs::path folder =
+      fs::weakly_canonical(fs::absolute(main_, status), status).parent_path();
+  const fs::path below =
+      fs::weakly_canonical(fs::absolute(*file, status), status)
+          .lexically_relative(folder);
+  if (below.empty() || *below.begin() == "..") outside_.push_back(*file);
+  return true;
 }
 
 }  // namespace pinode

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/unpacked_size.h"
 #include "pinode/structure/matrices/matrix_text.h"
 
 namespace pinode {
@@ -36,16 +37,31 @@ std::string DeckKey(std::string_view name);
 
 std::string WithoutDeckQuotes(const std::string& name);
 
-// Reads the file that an *INCLUDE in the file `path` names, and its text. Paths
-// are relative to the file that names them, or else to the deck `main`. `depth`
-// is the number of files around it, at most ten. Returns false with an error at
-// the reader's line, or with the file's own error.
-[[nodiscard]] bool ReadDeckInclude(const LineReader& lines,
-                                   const DeckKeyword& keyword,
-                                   const std::string& path,
-                                   const std::string& main, int depth,
-                                   std::string* file, std::string* content,
-                                   std::string* error);
+// The files that one deck includes.
+class DeckIncludes {
+ public:
+  // `main`: the deck. It must outlive this object.
+  explicit DeckIncludes(const std::string& main) : main_(main) {}
+
+  // Reads the file that an *INCLUDE in the file `path` names, and its text.
+  // Paths are relative to the file that names them, or else to the deck.
+  // `depth` is the number of files around it, at most ten. All files together
+  // are at most 1000 and as large as unpacked_size.h grants: ten files that
+  // include each other ten times ten levels deep never end. Returns false with
+  // an error at the reader's line, or with the file's own error.
+  [[nodiscard]] bool Read(const LineReader& lines, const DeckKeyword& keyword,
+                          const std::string& path, int depth, std::string* file,
+                          std::string* content, std::string* error);
+
+  // Included files that lie neither in the deck's folder nor below it.
+  const std::vector<std::string>& outside() const { return outside_; }
+
+ private:
+  const std::string& main_;
+  int count_ = 0;
+  UnpackedSize size_{0.0};
+  std::vector<std::string> outside_;
+};
 
 }  // namespace pinode
 

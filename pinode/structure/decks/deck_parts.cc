@@ -52,6 +52,8 @@ class DeckReader {
     return EndOfSection(lines);
   }
 
+  const DeckIncludes& includes() const { return includes_; }
+
  private:
   enum class Section { kOther, kHeading, kNodes, kElements, kSet, kInstance };
 
@@ -422,12 +424,13 @@ class DeckReader {
   bool Include(const LineReader& lines, const DeckKeyword& keyword,
                const std::string& path, int depth) {
     std::string other, content;
-    return ReadDeckInclude(lines, keyword, path, main_path_, depth, &other,
-                           &content, error_) &&
+    return includes_.Read(lines, keyword, path, depth, &other, &content,
+                          error_) &&
            ReadFile(other, content, depth + 1);
   }
 
   const std::string main_path_;
+  DeckIncludes includes_{main_path_};
   DeckParts* parts_;
   std::string* error_;
   DeckPlace place_;
@@ -476,7 +479,10 @@ int DeckParts::FindInstance(const std::string& name) const {
 bool ReadDeckParts(const std::string& path, const std::string& content,
                    DeckParts* parts, std::string* error) {
   *parts = DeckParts();
-  return DeckReader(path, parts, error).ReadFile(path, content, 0);
+  DeckReader reader(path, parts, error);
+  if (!reader.ReadFile(path, content, 0)) return false;
+  parts->outside = reader.includes().outside();
+  return true;
 }
 
 }  // namespace pinode

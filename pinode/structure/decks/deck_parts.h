@@ -91,6 +91,8 @@ struct DeckParts {
   DeckScope assembly;
   // Unknown element types, each with the number of its elements.
   std::vector<std::pair<std::string, int>> unknown_types;
+  // Included files that lie outside of the deck's folder.
+  std::vector<std::string> outside;
   // Positions by the name as decks compare it.
   std::unordered_map<std::string, int> part_index, instance_index;
 
