@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -64,6 +65,20 @@ mode_t PermissionsFor(const std::string& path) {
   const mode_t mask = umask(0);
   umask(mask);
   return 0666 & ~mask;
+}
+
+// Files from this size on are looked at before they are read, and the number of
+// bytes that are looked at. Text that is all zeros would be taken apart at
+// three times its size in memory.
+constexpr off_t kLargeFile = off_t{100} << 20;
+constexpr size_t kLook = 4096;
+constexpr char kZeros[] = " begins with 4096 zeros, expected data";
+
+// True if as many zeros begin `text`, which no format that is read here does.
+bool BeginsWithZeros(std::string_view text) {
+  text = text.substr(0, kLook);
+  return text.size() == kLook &&
+         text.find_first_not_of('\0') == std::string_view::npos;
 }
 
 std::string FolderOf(const std::string& path) {
@@ -150,6 +165,14 @@ bool ReadBinaryFile(const std::string& path, std::string* content,
     return false;
   }
   std::string text;
+  if (status.st_size >= kLargeFile) {
+    text.resize(kLook);
+    const ssize_t count = pread(file.get(), text.data(), kLook, 0);
+    if (count == static_cast<ssize_t>(kLook) && BeginsWithZeros(text)) {
+      *error = path + ": the file" + kZeros;
+      return false;
+    }
+  }
   // One byte more than expected, to detect the end without another allocation.
   text.resize(static_cast<size_t>(status.st_size) + 1);
   size_t done = 0;
@@ -188,6 +211,11 @@ bool ReadTextOfAnyEncoding(const std::string& path, std::string* content,
     if (!Unpack(CompressedFormat::kGzip, text,
                 static_cast<size_t>(memory.largest()), &text, &what)) {
       *error = path + ": " + what + ", expected a file of gzip";
+      return false;
+    }
+    if (static_cast<off_t>(text.size()) >= kLargeFile &&
+        BeginsWithZeros(text)) {
+      *error = path + ": the unpacked file" + kZeros;
       return false;
     }
   }

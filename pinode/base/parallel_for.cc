@@ -1,6 +1,7 @@
 #include "pinode/base/parallel_for.h"
 
 #include <algorithm>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -13,8 +14,14 @@ void ParallelFor(int count, int num_threads,
     for (int i = thread; i < count; i += num_threads) task(i, thread);
   };
   std::vector<std::thread> threads;
-  for (int t = 1; t < num_threads; ++t) threads.emplace_back(run, t);
+  int started = 1;
+  try {
+    for (; started < num_threads; ++started) threads.emplace_back(run, started);
+  } catch (const std::system_error&) {
+    // The system gives no more threads (ulimit -u): this one does their work.
+  }
   run(0);
+  for (int t = started; t < num_threads; ++t) run(t);
   for (std::thread& thread : threads) thread.join();
 }
 

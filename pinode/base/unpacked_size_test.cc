@@ -42,5 +42,20 @@ TEST(UnpackedSize, FilesWithHolesAreNotTakenAtTheirWord) {
   EXPECT_EQ(content, "kept");
 }
 
+// Text that is all zeros is taken apart at three times its size.
+TEST(UnpackedSize, LargeFilesOfZerosAreRefusedUnread) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("zeros.csv");
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(file, 0);
+  const bool has_holes = ftruncate(file, off_t{1} << 30) == 0;
+  close(file);
+  if (!has_holes) GTEST_SKIP() << "the file system has no files with holes";
+  std::string content = "kept", error;
+  EXPECT_FALSE(ReadBinaryFile(path, &content, &error));
+  EXPECT_THAT(error, HasSubstr("zeros.csv: the file begins with 4096 zeros"));
+  EXPECT_EQ(content, "kept");
+}
+
 }  // namespace
 }  // namespace pinode
