@@ -289,24 +289,27 @@ class ModeFinder {
                        : is_decay()
                            ? std::clamp(300 / channels, 2, std::max(2, third))
                            : std::clamp(600 / channels, 12, 40);
-    const int columns =
-        is_decay()
-            ? static_cast<int>(level.samples.cols()) + 1 - band->block_rows
-            : band->block_rows * static_cast<int>(references_.size());
-    const int largest = std::min((band->block_rows - 1) * channels, columns);
-    band->max_order = options_.max_order > 0 ? options_.max_order
-                                             : std::min(60, largest / 2 * 2);
+    // Any number of rows may be asked for; products are wider.
+    const Eigen::Index block_rows = band->block_rows;
+    const Eigen::Index columns =
+        is_decay() ? level.samples.cols() + 1 - block_rows
+                   : block_rows * static_cast<Eigen::Index>(references_.size());
+    const Eigen::Index largest = std::min((block_rows - 1) * channels, columns);
+    band->max_order =
+        options_.max_order > 0
+            ? options_.max_order
+            : static_cast<int>(std::min<Eigen::Index>(60, largest / 2 * 2));
   }
 
   bool FormDecay(const RecordAtRate& level, AnalysedBand* band,
                  HankelWindows* hankel) {
-    if (level.samples.cols() < 3 * band->block_rows || band->max_order < 2) {
-      return Fail(GivenBlockRows(),
-                  "has " + std::to_string(level.samples.cols()) +
-                      " samples, too few for " +
-                      std::to_string(band->block_rows) +
-                      " block rows, expected " +
-                      std::to_string(3 * band->block_rows) + " and more");
+    const Eigen::Index fewest = Eigen::Index{3} * band->block_rows;
+    if (level.samples.cols() < fewest || band->max_order < 2) {
+      return Fail(
+          GivenBlockRows(),
+          "has " + std::to_string(level.samples.cols()) +
+              " samples, too few for " + std::to_string(band->block_rows) +
+              " block rows, expected " + std::to_string(fewest) + " and more");
     }
     *hankel =
         RingDownHankel(level.samples, band->block_rows, band->max_order).hankel;
@@ -318,8 +321,9 @@ class ModeFinder {
   // addition to measured ones.
   bool FormCorrelations(const RecordAtRate& level, AnalysedBand* band,
                         HankelWindows* hankel, double* window_seconds) {
-    const int lags = 2 * band->block_rows - 1;
-    const Eigen::Index hops = level.samples.cols() / std::max(1, lags);
+    const Eigen::Index lags = Eigen::Index{2} * band->block_rows - 1;
+    const Eigen::Index hops =
+        level.samples.cols() / std::max<Eigen::Index>(1, lags);
     if (hops < kFewestWindows) {
       return Fail(GivenBlockRows(),
                   "has " + std::to_string(level.samples.cols()) +
@@ -337,8 +341,9 @@ class ModeFinder {
                              references_, band->block_rows, band->num_windows,
                              options_.num_threads, &window_samples);
     } else {
-      correlations_ = CorrelateWindows(level.samples, references_, lags,
-                                       band->num_windows, options_.num_threads);
+      correlations_ =
+          CorrelateWindows(level.samples, references_, static_cast<int>(lags),
+                           band->num_windows, options_.num_threads);
       window_samples = correlations_.window_samples;
       *hankel =
           method_ == ModalMethod::kDataDriven

@@ -15,7 +15,8 @@ namespace {
 
 // Cost of a factor of e between frequencies, where a MAC of one counts 1.
 constexpr double kFrequencyShare = 0.5;
-// Lower limit of the model's frequency relative to the measured one: modes of
+// Lower limit of the model's frequency relative to the measured one, and the
+// reciprocal of the upper one: modes of
 // zero or negative stiffness are chosen last.
 constexpr double kLowestRatio = 1e-3;
 // Maximum number of rounds of pairing and finding the common factor.
@@ -53,7 +54,8 @@ Likeness Compare(const ModalData& data, const Vector& eigenvalues,
       likeness.macs(i, j) =
           mode.HasShape() ? Mac(mode.shape, shapes(mode.dofs, j)) : 1.0;
       const double ratio = std::sqrt(std::max(eigenvalues[j], 0.0)) / w;
-      likeness.distances(i, j) = std::log(std::max(ratio, kLowestRatio));
+      likeness.distances(i, j) =
+          std::log(std::clamp(ratio, kLowestRatio, 1.0 / kLowestRatio));
     }
   }
   return likeness;

@@ -100,7 +100,7 @@ class AmbientReader {
       record_->base.col(before) = model.influence.col(direction);
     }
     record_->correlated = table_.Boolean("correlated", true);
-    record_->knots = table_.Integer("knots", 0, 0);
+    record_->knots = table_.Integer("knots", 0, 0, 10000);
     return table_.errors()->ok();
   }
 

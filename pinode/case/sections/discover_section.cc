@@ -1,6 +1,7 @@
 #include "pinode/case/sections/discover_section.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -41,7 +42,7 @@ bool ReadLibraryKeys(const TomlTable& table, const StructuralDynamics& dynamics,
                      CandidateLibraryOptions* library) {
   library->constant = table.Boolean("constant", library->constant);
   library->polynomial_degree =
-      table.Integer("polynomial_degree", library->polynomial_degree, 0);
+      table.Integer("polynomial_degree", library->polynomial_degree, 0, 20);
   library->products = table.Boolean("products", library->products);
   if (table.Has("expressions")) {
     library->expressions = table.Strings("expressions");
@@ -108,11 +109,12 @@ bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
           ? DiscoveryOptions::Solver::kStlsq
           : DiscoveryOptions::Solver::kLasso;
   options->tolerance = table.PositiveNumber("tolerance", options->tolerance);
-  options->num_bags = table.Integer("bags", options->num_bags, 0);
+  options->num_bags = table.Integer("bags", options->num_bags, 0, 10000);
   options->library_fraction =
       table.PositiveNumber("library_fraction", options->library_fraction);
   options->seed = static_cast<uint64_t>(
-      table.Integer("seed", static_cast<int>(options->seed), 0));
+      table.Integer("seed", static_cast<int>(options->seed), 0,
+                    std::numeric_limits<int>::max()));
   options->prune_fraction =
       table.NonNegativeNumber("prune_fraction", options->prune_fraction);
   options->refit = table.Boolean("refit", options->refit);

@@ -92,7 +92,7 @@ bool ReadSource(const TomlTable& table, const std::string& key,
     if (!inner.AllowKeys({"file", "variable", "occurrence"})) return false;
     file = inner.RequiredString("file");
     source->variable = inner.String("variable");
-    source->occurrence = inner.Integer("occurrence", 0, 1);
+    source->occurrence = inner.Integer("occurrence", 0, 1, 1000000000);
   } else {
     file = table.RequiredString(key);
   }

@@ -18,6 +18,9 @@ constexpr double kDefaultFrequencyTolerance = 0.01;
 constexpr int kLargestWhole = 100;
 // Largest number of DOFs in a response file; larger text files are impractical.
 constexpr int kMostExpanded = 5000;
+// Largest number of modes that may be asked for. The modes of a model are
+// vectors of its size, all in memory at a time.
+constexpr int kMostModes = 10000;
 // Largest number of names that are compared for a hint, which must be quick.
 constexpr int kLargestHinted = 5000;
 
@@ -152,9 +155,9 @@ class SectionReader {
     }
     reduction_.Choice("method", {"guyan", "serep", "craig_bampton", "modal"},
                       method);
-    options.num_modes = reduction_.Integer("modes", 0, 0);
-    options.num_compared_modes =
-        reduction_.Integer("compare", options.num_compared_modes, 1);
+    options.num_modes = reduction_.Integer("modes", 0, 0, kMostModes);
+    options.num_compared_modes = reduction_.Integer(
+        "compare", options.num_compared_modes, 1, kMostModes);
     structure_.renew_basis = reduction_.Boolean("renew", false);
     return reduction_.errors()->ok() && ReadExpanded();
   }
@@ -386,7 +389,7 @@ class SectionReader {
       for (const auto& [name, value] : inner.entries()) {
         (void)value;
         directions->push_back(name);
-        numbers.push_back(inner.Integer(name, 1, 1));
+        numbers.push_back(inner.Integer(name, 1, 1, 1000000000));
         if (!table_.errors()->ok()) return false;
         if (numbers.back() > 3) {
           return inner.Fail(name, "'" + name + "' is " +

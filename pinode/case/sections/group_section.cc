@@ -93,7 +93,7 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
                          "the matrix of group '" + group->name + "'",
                          model.num_dofs(), &group->matrix);
   }
-  const int storey = table.Integer("storey", 1, 1);
+  const int storey = table.Integer("storey", 1, 1, 1000000000);
   if (!table.errors()->ok()) return false;
   if (!section.building.has_value()) {
     return table.Fail("storey",
@@ -139,7 +139,7 @@ bool ReadKnots(const TomlTable& follows, GroupCurve* curve) {
 }
 
 bool ReadCurvePrior(const TomlTable& follows, GroupCurve* curve) {
-  const int differences = follows.Integer("differences", 1, 1);
+  const int differences = follows.Integer("differences", 1, 1, 1000000000);
   if (!follows.errors()->ok()) return false;
   if (differences > 2 || differences >= static_cast<int>(curve->knots.size())) {
     return follows.Fail("differences",

@@ -87,7 +87,7 @@ class ModeReader {
 
   bool ReadShapeFile() {
     const std::string file = table_.String("shape");
-    const int row = table_.Integer("shape_row", 1, 1);
+    const int row = table_.Integer("shape_row", 1, 1, 1000000000);
     if (!table_.errors()->ok()) return false;
     Table shapes;
     std::string error;

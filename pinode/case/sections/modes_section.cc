@@ -129,8 +129,8 @@ class ModesCaseReader {
     if (table.Has("highest_hz")) {
       options.highest_hz = table.PositiveNumber("highest_hz", 1.0);
     }
-    options.block_rows = table.Integer("block_rows", 0, 2);
-    options.max_order = table.Integer("max_order", 0, 2);
+    options.block_rows = table.Integer("block_rows", 0, 2, 10000);
+    options.max_order = table.Integer("max_order", 0, 2, 10000);
     if (table.errors()->ok() && options.max_order % 2 != 0) {
       return table.Fail("max_order",
                         "'max_order' is odd, expected an even number, because "
@@ -148,7 +148,7 @@ class ModesCaseReader {
     c_.merge.references = options.references;
     options.stabilisation.largest_damping_ratio = table.PositiveNumber(
         "max_damping_ratio", options.stabilisation.largest_damping_ratio);
-    options.num_threads = table.Integer("threads", DefaultThreads(), 1);
+    options.num_threads = table.Integer("threads", DefaultThreads(), 1, 1024);
     options.stabilisation.pick = table.Numbers("pick");
     c_.keep_harmonics = table.Boolean("harmonics", false);
     return table.errors()->ok();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -17,6 +18,9 @@
 
 namespace pinode {
 namespace {
+
+// Largest number of weights. The normal matrix of their fit then takes 3.2 GB.
+constexpr int kMostWeights = 20000;
 
 // Compares the keys of a weights file; they are not overwritten.
 template <typename T>
@@ -107,7 +111,7 @@ class NetworkReader {
 
   bool ReadArchitecture() {
     if (table_.Has("layers")) {
-      architecture_.hidden_widths = table_.Integers("layers", 1);
+      architecture_.hidden_widths = table_.Integers("layers", 1, 10000);
     }
     if (table_.Has("activation")) {
       std::string error;
@@ -198,6 +202,13 @@ class NetworkReader {
   bool MakeNetwork(NetworkTerm* term) {
     std::string error;
     if (!architecture_.IsValid(&error)) return table_.Fail("name", error);
+    if (architecture_.NumWeights() > kMostWeights) {
+      return table_.Fail(
+          "layers", "the network has " +
+                        std::to_string(architecture_.NumWeights()) +
+                        " weights, expected at most " +
+                        std::to_string(kMostWeights) + ": use narrower layers");
+    }
     if (table_.Has("decay") &&
         table_.Find("decay")->type == TomlValue::Type::kString) {
       term->decay =
@@ -209,7 +220,8 @@ class NetworkReader {
     }
     const bool free = table_.Boolean("free", true);
     const auto seed = static_cast<std::uint64_t>(
-        table_.Integer("seed", static_cast<int>(context_.default_seed), 0));
+        table_.Integer("seed", static_cast<int>(context_.default_seed), 0,
+                       std::numeric_limits<int>::max()));
     if (!table_.errors()->ok()) return false;
 
     const StructuralModel& model = dynamics_.model();

@@ -1,6 +1,7 @@
 #include "pinode/case/sections/options_section.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "pinode/base/parallel_for.h"
@@ -23,8 +24,8 @@ bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
   }
   options->segment_samples =
       table.LongInteger("segment_samples", options->segment_samples, 0);
-  options->max_num_iterations =
-      table.Integer("max_iterations", options->max_num_iterations, 0);
+  options->max_num_iterations = table.Integer(
+      "max_iterations", options->max_num_iterations, 0, 1000000000);
   const std::string loss =
       table.Choice("robust_loss", {"none", "huber", "cauchy"}, "none");
   options->loss = loss == "huber"    ? RobustLoss::kHuber
@@ -41,9 +42,11 @@ bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
       covariance == "plain"      ? IdentificationOptions::Covariance::kPlain
       : covariance == "sandwich" ? IdentificationOptions::Covariance::kSandwich
                                  : IdentificationOptions::Covariance::kAuto;
-  options->num_threads = table.Integer("threads", DefaultThreads(), 1);
-  options->num_starts = table.Integer("multistart", options->num_starts, 0);
-  options->seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
+  options->num_threads = table.Integer("threads", DefaultThreads(), 1, 1024);
+  options->num_starts =
+      table.Integer("multistart", options->num_starts, 0, 10000);
+  options->seed = static_cast<std::uint64_t>(
+      table.Integer("seed", 1, 0, std::numeric_limits<int>::max()));
   options->function_tolerance =
       table.PositiveNumber("tolerance", options->function_tolerance);
   return table.errors()->ok();
@@ -86,7 +89,8 @@ bool ReadSimulate(const TomlTable& root, double* noise_percent,
         "'noise_percent' and 'noise' are both given, expected one of them");
   }
   *noise_percent = table.NonNegativeNumber("noise_percent", 0.0);
-  *seed = static_cast<std::uint64_t>(table.Integer("seed", 1, 0));
+  *seed = static_cast<std::uint64_t>(
+      table.Integer("seed", 1, 0, std::numeric_limits<int>::max()));
   return table.errors()->ok();
 }
 

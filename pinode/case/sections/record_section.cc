@@ -9,6 +9,7 @@
 #include "pinode/case/sections/strain_channel.h"
 #include "pinode/case/text/parameter_keys.h"
 #include "pinode/problem/problem_description.h"
+#include "pinode/study/problem/substeps.h"
 
 namespace pinode {
 namespace {
@@ -87,7 +88,7 @@ class RecordReader {
       section_->file = ResolvePath(table_, section_->file);
       if (!FileExists(table_, section_->file)) return false;
     }
-    section_->substeps = table_.Integer("substeps", 0, 0);
+    section_->substeps = table_.Integer("substeps", 0, 0, kMaxSubsteps);
     const std::string integrator = table_.Choice(
         "integrator", {"auto", "rk4", "exact", "exponential"}, "auto");
     if (integrator == "rk4") section_->integrator = Integrator::kRungeKutta;
@@ -381,7 +382,7 @@ class RecordReader {
       filter.corner_frequencies = table.Numbers("corner_hz");
     }
     for (double& corner : filter.corner_frequencies) corner /= Second();
-    filter.order = table.Integer("order", filter.order, 1);
+    filter.order = table.Integer("order", filter.order, 1, 1000);
     section_->filter = filter;
     return table_.errors()->ok();
   }

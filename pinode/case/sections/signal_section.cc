@@ -102,7 +102,7 @@ bool ReadTextFormat(const TomlTable& record, TextFormat* format) {
   format->time_unit = record.String("time_unit");
   format->time_format = record.String("time_format");
   format->encoding = record.String("encoding");
-  format->header_lines = record.Integer("header_lines", -1, 0);
+  format->header_lines = record.Integer("header_lines", -1, 0, 1000000000);
   const std::string decimal = record.Choice("decimal", {".", ","}, "");
   if (!decimal.empty()) format->decimal = decimal[0];
   std::string delimiter = record.Choice(

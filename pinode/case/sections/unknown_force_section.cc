@@ -148,7 +148,7 @@ class UnknownForceReader {
 
   bool ReadPrior(const SplineForce::Options& options, double spacing) {
     if (!table_.Has("band_hz")) {
-      const int neighbourhood = table_.Integer("neighbourhood", 1, 1);
+      const int neighbourhood = table_.Integer("neighbourhood", 1, 1, 1000000);
       const double relaxation =
           table_.Has("relaxation")
               ? spacing / table_.PositiveNumber("relaxation", 1.0)

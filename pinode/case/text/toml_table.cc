@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pinode/base/strings.h"
 
@@ -115,6 +114,11 @@ bool TomlTable::NumberOf(const std::string& key, const TomlValue& value,
   if (!value.IsNumber() || !std::isfinite(value.number)) {
     return WrongType(key, value, "a finite number");
   }
+  if (std::abs(value.number) > kLargestNumber) {
+    return WrongType(
+        key, value,
+        "a number of at most " + FormatNumber(kLargestNumber) + " in size");
+  }
   *number = value.number;
   return true;
 }
@@ -127,8 +131,11 @@ double TomlTable::Number(const std::string& key, double absent) const {
 
 double TomlTable::PositiveNumber(const std::string& key, double absent) const {
   const double number = Number(key, absent);
-  if (!Has(key) || number > 0.0) return number;
-  WrongType(key, *Find(key), "a positive number");
+  if (!Has(key) || number >= kSmallestNumber) return number;
+  WrongType(key, *Find(key),
+            number > 0.0
+                ? "a number of at least " + FormatNumber(kSmallestNumber)
+                : "a positive number");
   return absent;
 }
 
@@ -150,14 +157,15 @@ double TomlTable::ExtendedNumber(const std::string& key, double absent) const {
   return value->number;
 }
 
-int TomlTable::Integer(const std::string& key, int absent, int minimum) const {
-  return static_cast<int>(
-      IntegerUpTo(std::numeric_limits<int>::max(), key, absent, minimum));
+int TomlTable::Integer(const std::string& key, int absent, int minimum,
+                       int maximum) const {
+  return static_cast<int>(IntegerUpTo(maximum, key, absent, minimum));
 }
 
 int64_t TomlTable::LongInteger(const std::string& key, int64_t absent,
                                int64_t minimum) const {
-  return IntegerUpTo(std::numeric_limits<int64_t>::max(), key, absent, minimum);
+  constexpr int64_t kMost = 1000000000000;
+  return IntegerUpTo(kMost, key, absent, minimum);
 }
 
 int64_t TomlTable::IntegerUpTo(int64_t maximum, const std::string& key,
@@ -237,21 +245,20 @@ std::vector<double> TomlTable::Numbers(const std::string& key, int size,
   return {};
 }
 
-std::vector<int> TomlTable::Integers(const std::string& key,
-                                     int minimum) const {
+std::vector<int> TomlTable::Integers(const std::string& key, int minimum,
+                                     int maximum) const {
   std::vector<int> numbers;
   const TomlValue* value = Find(key);
   if (value == nullptr) return numbers;
-  const std::string expected =
-      "whole numbers of at least " + std::to_string(minimum);
+  const std::string expected = "whole numbers from " + std::to_string(minimum) +
+                               " to " + std::to_string(maximum);
   if (value->type != TomlValue::Type::kArray) {
     WrongType(key, *value, "an array of " + expected);
     return numbers;
   }
   for (const TomlValue& element : value->elements) {
     if (element.type != TomlValue::Type::kInteger ||
-        element.integer < minimum ||
-        element.integer > std::numeric_limits<int>::max()) {
+        element.integer < minimum || element.integer > maximum) {
       WrongType(key + "[" + std::to_string(numbers.size()) + "]", element,
                 expected);
       return {};

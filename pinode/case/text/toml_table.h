@@ -16,6 +16,11 @@ namespace pinode {
 
 class SharedTables;
 
+// Largest number of a case file. Squares and products of three stay finite.
+inline constexpr double kLargestNumber = 1e100;
+// Smallest positive number, where one is asked for. Its reciprocal is finite.
+inline constexpr double kSmallestNumber = 1e-300;
+
 // First error of a case file, and the place of its files. Readers continue with
 // defaults after a failure and check ok() before they use their values.
 class CaseErrors {
@@ -90,14 +95,19 @@ class TomlTable {
   std::string Choice(const std::string& key,
                      const std::vector<std::string>& choices,
                      const std::string& absent) const;
-  // Returns a finite number.
+  // Returns a finite number of at most kLargestNumber in size.
   double Number(const std::string& key, double absent) const;
+  // Returns a number from kSmallestNumber on.
   double PositiveNumber(const std::string& key, double absent) const;
   double NonNegativeNumber(const std::string& key, double absent) const;
   // Returns a number that may be infinite, as bounds are.
   double ExtendedNumber(const std::string& key, double absent) const;
-  int Integer(const std::string& key, int absent, int minimum) const;
-  // Returns an integer that grows with the length of a record.
+  // Returns an integer within limits. `maximum` is what the key can mean at the
+  // most, so that sums and products of such numbers stay in their types and
+  // arrays of that size in memory.
+  int Integer(const std::string& key, int absent, int minimum,
+              int maximum) const;
+  // Returns an integer that grows with the length of a record, up to 1e12.
   int64_t LongInteger(const std::string& key, int64_t absent,
                       int64_t minimum) const;
   bool Boolean(const std::string& key, bool absent) const;
@@ -107,7 +117,8 @@ class TomlTable {
   // Returns `size` finite numbers, one per `what`; empty if the key is absent.
   std::vector<double> Numbers(const std::string& key, int size,
                               const std::string& what) const;
-  std::vector<int> Integers(const std::string& key, int minimum) const;
+  std::vector<int> Integers(const std::string& key, int minimum,
+                            int maximum) const;
 
   // Returns the table under the key, or an absent table.
   TomlTable Table(const std::string& key, const std::string& table_name) const;
