@@ -3,15 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
 #include <filesystem>
 #include <system_error>
 #include <vector>
 
-#include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/case/results/folder_lock.h"
 
 namespace pinode {
 namespace {
@@ -41,27 +39,10 @@ bool HasMarker(const fs::path& folder) {
   return false;
 }
 
-// True if a process has ended. It stays known until its parent asks for its
-// status.
-bool HasEnded(int process) {
-  std::string text, unused;
-  if (!ReadTextFile("/proc/" + std::to_string(process) + "/stat", &text,
-                    &unused)) {
-    return false;
-  }
-  // The state follows the name, which is in parentheses and may contain more.
-  const size_t name_end = text.rfind(')');
-  return name_end != std::string::npos && name_end + 2 < text.size() &&
-         (text[name_end + 2] == 'Z' || text[name_end + 2] == 'X');
-}
-
 struct Leftover {
   fs::path path;
-  int process = 0;
-  bool IsAlive() const {
-    return process != ::getpid() &&
-           (::kill(process, 0) == 0 || errno == EPERM) && !HasEnded(process);
-  }
+  FolderHolder holder;
+  bool IsDead() const { return holder.state == FolderHolder::State::kNone; }
 };
 
 // Returns the partial folders of `final_path`, oldest first.
@@ -75,7 +56,7 @@ std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
     int process = 0;
     if (name.rfind(prefix, 0) == 0 &&
         ParseInt(name.substr(prefix.size()), &process) && process > 0) {
-      found.push_back({entry.path(), process});
+      found.push_back({entry.path(), HolderOf(entry.path().string(), process)});
     }
   }
   std::sort(found.begin(), found.end(),
@@ -87,12 +68,28 @@ std::vector<Leftover> FindLeftovers(const fs::path& final_path) {
   return found;
 }
 
-// Removes everything but the checkpoint.
+// Returns why the folder that `leftover` is for cannot be written to.
+std::string WhyHeld(const std::string& path, const Leftover& leftover) {
+  if (leftover.holder.state == FolderHolder::State::kHeld) {
+    return path + ": " + leftover.holder.name +
+           " is writing to this folder; wait for it or give another folder";
+  }
+  return path + ": " + leftover.holder.name +
+         " has begun to write to this folder, and pinode cannot see from here "
+         "whether it still does. Give another folder; if it has ended, "
+         "delete " +
+         (leftover.path / kFolderLock).string();
+}
+
+// Removes everything but the checkpoint and the lock.
 void KeepCheckpoint(const fs::path& folder) {
   std::error_code status;
   std::vector<fs::path> rest;
   for (const auto& entry : fs::directory_iterator(folder, status)) {
-    if (entry.path().filename() != kCheckpoint) rest.push_back(entry.path());
+    const fs::path name = entry.path().filename();
+    if (name != kCheckpoint && name != kFolderLock) {
+      rest.push_back(entry.path());
+    }
   }
   for (const fs::path& file : rest) fs::remove_all(file, status);
 }
@@ -131,8 +128,19 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
     }
   }
   // The rename needs the parent, which is created if necessary.
-  fs::path existing = folder.parent_path();
-  while (!fs::exists(existing, status) && existing != existing.parent_path()) {
+  fs::path existing = fs::absolute(path, status).lexically_normal();
+  if (existing.filename().empty()) existing = existing.parent_path();
+  bool is_folder = true;
+  while (is_folder || !fs::exists(existing, status)) {
+    if (!fs::exists(existing, status) &&
+        fs::is_symlink(fs::symlink_status(existing, status))) {
+      *error = path + ": " + existing.string() +
+               " is a link to something that does not exist, expected a new "
+               "name: delete the link, or make its target";
+      return false;
+    }
+    is_folder = false;
+    if (existing == existing.parent_path()) break;
     existing = existing.parent_path();
   }
   if (!fs::is_directory(existing, status) ||
@@ -145,8 +153,13 @@ bool CheckOutputFolder(const std::string& path, bool overwrite, bool resume,
 }
 
 ResultFolder::~ResultFolder() {
-  if (working_.empty() || is_whole_) return;
+  if (working_.empty()) return;
+  if (is_whole_) {
+    lock_.Release(working_);
+    return;
+  }
   KeepCheckpoint(working_);
+  lock_.Release(working_);
   std::error_code status;
   if (fs::is_empty(working_, status)) fs::remove(working_, status);
 }
@@ -167,26 +180,35 @@ bool ResultFolder::Open(const std::string& path, bool overwrite, bool resume,
 
   const std::vector<Leftover> leftovers = FindLeftovers(final_path);
   for (const Leftover& leftover : leftovers) {
-    if (!leftover.IsAlive()) continue;
-    *error = path + ": process " + std::to_string(leftover.process) +
-             " is writing to this folder; wait for it or give another folder";
+    if (leftover.IsDead()) continue;
+    *error = WhyHeld(path, leftover);
     return false;
   }
   bool taken_over = false;
   for (auto it = leftovers.rbegin(); resume && it != leftovers.rend(); ++it) {
     if (!fs::exists(it->path / kCheckpoint, status)) continue;
+    if (!lock_.Take(it->path.string())) continue;
     fs::rename(it->path, working, status);
-    if (status) continue;
+    if (status) {
+      lock_.Release(it->path.string());
+      continue;
+    }
     taken_over = true;
     // The dead process may have begun to write results.
     KeepCheckpoint(working);
     break;
   }
   if (!taken_over) {
-    fs::remove_all(working, status);
-    if (!fs::create_directory(working, status) || status) {
+    // A dead process of another container may have had this one's number.
+    const bool was_left =
+        std::any_of(leftovers.begin(), leftovers.end(),
+                    [&](const Leftover& l) { return l.path == working; });
+    if (was_left) fs::remove_all(working, status);
+    if (!fs::create_directory(working, status) || status ||
+        !lock_.Take(working.string())) {
       *error = path + ": the output folder cannot be created (" +
-               status.message() + "), expected a writable folder";
+               (status ? status.message() : "another process has just begun") +
+               "), expected a writable folder";
       return false;
     }
   }
@@ -224,10 +246,11 @@ bool ResultFolder::Commit(std::string* error) {
     if (replace) fs::rename(old, final_path, ignored);
     return false;
   }
+  lock_.Release(final_);
   working_.clear();
   if (replace) fs::remove_all(old, status);
   for (const Leftover& leftover : FindLeftovers(final_path)) {
-    if (!leftover.IsAlive()) fs::remove_all(leftover.path, status);
+    if (leftover.IsDead()) fs::remove_all(leftover.path, status);
   }
   return true;
 }

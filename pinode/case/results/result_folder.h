@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "pinode/case/results/folder_lock.h"
+
 namespace pinode {
 
 // Checks if a program may write its results to the folder `path`. The folder
@@ -34,7 +36,8 @@ class ResultFolder {
 
   // Checks as CheckOutputFolder does, and creates the partial folder. With
   // `resume`, takes over the newest one that a dead process left for `path`.
-  // Fails if another process is writing to `path`.
+  // Fails if another process is writing to `path`, be it in another container
+  // or on another host.
   [[nodiscard]] bool Open(const std::string& path, bool overwrite, bool resume,
                           std::string* error);
 
@@ -63,6 +66,7 @@ class ResultFolder {
   std::string final_;
   std::string working_;
   std::string resume_path_;
+  FolderLock lock_;
 };
 
 }  // namespace pinode

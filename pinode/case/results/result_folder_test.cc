@@ -123,7 +123,9 @@ TEST(ResultFolderTest, ResumesAfterAKill) {
   std::string text;
   file >> text;
   EXPECT_EQ(text, "there");
-  EXPECT_EQ(CountEntries(folder.working_path()), 1);
+  // Beside the checkpoint there is the lock.
+  EXPECT_EQ(CountEntries(folder.working_path()), 2);
+  EXPECT_FALSE(fs::exists(folder.working_path() + "/result.json"));
   EXPECT_FALSE(fs::exists(partial));
   ASSERT_TRUE(folder.Commit(&error)) << error;
   EXPECT_EQ(CountEntries(base.Path("")), 1);
@@ -172,6 +174,22 @@ TEST(ResultFolderTest, WhatCannotBePutInPlaceStays) {
   EXPECT_THAT(error, HasSubstr("the results are in " + partial));
   EXPECT_TRUE(fs::is_regular_file(base.Path("out")));
   EXPECT_EQ(CountEntries(partial), 1);
+}
+
+// Found out before the fit, not after it.
+TEST(ResultFolderTest, LinksToNothing) {
+  TemporaryFolder base;
+  fs::create_symlink("nothing", base.Path("out"));
+  for (const char* name : {"out", "out/", "out/below/it"}) {
+    std::string error;
+    EXPECT_FALSE(CheckOutputFolder(base.Path(name), true, false, &error));
+    EXPECT_THAT(error, HasSubstr("out is a link to something that does not"));
+  }
+  // A link to a folder is as good as the folder.
+  fs::create_directory(base.Path("nothing"));
+  std::string error;
+  EXPECT_TRUE(CheckOutputFolder(base.Path("out"), false, false, &error))
+      << error;
 }
 
 TEST(ResultFolderTest, AnotherProcessIsWriting) {
