@@ -31,6 +31,7 @@ body { font: 15px/1.5 system-ui, "Segoe UI", "Helvetica Neue", Arial, sans-serif
 h1 { font-size: 1.6em; line-height: 1.2; margin: 0 0 4px; }
 h2 { font-size: 1.2em; margin: 38px 0 10px; padding-bottom: 4px; border-bottom: 1px solid #ccc; }
 h3 { font-size: 1em; margin: 24px 0 8px; }
+h1, h2, h3, p, li, dt, figcaption { overflow-wrap: anywhere; }
 p { margin: 8px 0; max-width: 46em; }
 ul { margin: 8px 0; padding-left: 1.3em; max-width: 46em; }
 .source { color: #666; margin: 0 0 18px; overflow-wrap: anywhere; }
@@ -44,7 +45,7 @@ td { border-bottom: 1px solid #e6e6e6; vertical-align: baseline; }
 th.n { text-align: right; }
 td.n { text-align: right; white-space: pre; font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: 0.93em; }
 tr.strong td { font-weight: 600; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 22px; margin: 10px 0; }
+dl { display: grid; grid-template-columns: fit-content(50%) 1fr; gap: 3px 22px; margin: 10px 0; }
 dt { color: #555; }
 dd { margin: 0; overflow-wrap: anywhere; }
 figure { margin: 16px 0 24px; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/base/printable.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
@@ -38,6 +39,8 @@ TextTable::TextTable(std::vector<Column> columns)
 
 void TextTable::AddRow(std::vector<std::string> cells) {
   CHECK_EQ(cells.size(), columns_.size()) << "a row has one cell per column";
+  // Names of strangers may hold line ends, or thousands of letters.
+  for (std::string& cell : cells) cell = PrintableLine(cell);
   rows_.push_back(std::move(cells));
 }
 

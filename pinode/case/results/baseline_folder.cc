@@ -13,6 +13,7 @@
 #include "pinode/case/results/grown_case.h"
 #include "pinode/case/results/same_structure.h"
 #include "pinode/case/results/verdict_json.h"
+#include "pinode/case/text/csv_file.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/table.h"
 #include "pinode/structure/matrices/matrix_io.h"
@@ -353,7 +354,9 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
     return false;
   }
   Table table;
-  if (!ReadCsvTable(path("covariance.csv"), result.free, &table, error)) {
+  std::vector<std::string> columns;
+  for (const std::string& name : result.free) columns.push_back(CsvText(name));
+  if (!ReadCsvTable(path("covariance.csv"), columns, &table, error)) {
     return false;
   }
   const Eigen::Index size = static_cast<Eigen::Index>(result.free.size());

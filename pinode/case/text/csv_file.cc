@@ -13,9 +13,22 @@ namespace {
 // Number of bytes that are written at a time.
 constexpr size_t kChunk = 1 << 20;
 
+// True for a text that spreadsheets take for a formula and run: it begins with
+// one of these, and is no number.
+bool IsFormula(const std::string& text) {
+  double number = 0.0;
+  return text.find_first_of("=+-@\t\r") == 0 && !ParseDouble(text, &number);
+}
+
 }  // namespace
 
-std::string CsvCell(const std::string& text) {
+std::string CsvText(const std::string& text) {
+  // Spreadsheets show what follows the apostrophe as it is.
+  return IsFormula(text) ? "'" + text : text;
+}
+
+std::string CsvCell(const std::string& name) {
+  const std::string text = CsvText(name);
   if (text.find_first_of(",;\t\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);

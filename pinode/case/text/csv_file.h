@@ -28,10 +28,14 @@ struct CsvColumn {
                             const std::vector<CsvColumn>& columns,
                             std::string* error);
 
-// Return a cell: text quoted if necessary; numbers at full precision, empty if
-// not finite.
+// Return a cell: text quoted if necessary, with an apostrophe before what a
+// spreadsheet would run as a formula (=, +, -, @); numbers at full precision,
+// empty if not finite.
 std::string CsvCell(const std::string& text);
 std::string CsvCell(double value);
+
+// Returns the text that a reader finds in such a cell.
+std::string CsvText(const std::string& text);
 
 }  // namespace pinode
 

@@ -47,6 +47,21 @@ TEST(WriteCsv, WritesEveryRowOfALongFile) {
   EXPECT_EQ(row, kRows);
 }
 
+TEST(CsvCell, FormulasAreText) {
+  EXPECT_EQ(CsvCell("a1"), "a1");
+  EXPECT_EQ(CsvCell("=1+1"), "'=1+1");
+  EXPECT_EQ(CsvCell("=HYPERLINK(\"x\",1)"), "\"'=HYPERLINK(\"\"x\"\",1)\"");
+  EXPECT_EQ(CsvCell("@sum"), "'@sum");
+  EXPECT_EQ(CsvCell("+u1"), "'+u1");
+  EXPECT_EQ(CsvCell("-u1"), "'-u1");
+  EXPECT_EQ(CsvCell("\t=1"), "\"'\t=1\"");
+  // Numbers stay numbers.
+  EXPECT_EQ(CsvCell("-1051.2"), "-1051.2");
+  EXPECT_EQ(CsvCell(std::string("+3e5")), "+3e5");
+  EXPECT_EQ(CsvCell("u2-u1"), "u2-u1");
+  EXPECT_EQ(CsvText("=1,1"), "'=1,1");
+}
+
 TEST(WriteCsv, WritesAHeaderWhereThereAreNoRows) {
   const TemporaryFolder folder;
   const std::string path = folder.Path("empty.csv");
