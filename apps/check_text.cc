@@ -1,10 +1,10 @@
 #include "apps/check_text.h"
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "apps/print.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/record/excitation.h"
@@ -14,9 +14,9 @@ namespace {
 
 void PrintNumber(double value, const char* format, int width) {
   if (std::isfinite(value)) {
-    std::printf(format, value);
+    Print(format, value);
   } else {
-    std::printf("%*s", width, "-");
+    Print("%*s", width, "-");
   }
 }
 
@@ -26,7 +26,7 @@ void PrintFiniteElementModel(const Case& c) {
   const ReducedModel& reduced = source.reduced;
   const SparseModes& modes = reduced.whole_modes;
   const SpecialDofs special = FindSpecialDofs(source.model);
-  std::printf(
+  Print(
       "Finite-element model: %d DOFs, %zu removed, %zu of the others without "
       "mass\n%d rigid-body modes, %ld non-zeros in K, damping %s\n",
       source.exported.num_dofs(), source.removed_dofs.size(),
@@ -34,24 +34,24 @@ void PrintFiniteElementModel(const Case& c) {
       static_cast<long>(source.model.stiffness.nonZeros()),
       source.exported.has_damping() ? "exported" : "not exported");
   for (const std::string& note : source.notes) {
-    std::printf("  %s\n", note.c_str());
+    Print("  %s\n", note.c_str());
   }
   if (source.is_reduced) {
-    std::printf("Reduced by %s to %zu coordinates:",
-                ReductionMethodName(source.options.method),
-                reduced.coordinate_names.size());
+    Print("Reduced by %s to %zu coordinates:",
+          ReductionMethodName(source.options.method),
+          reduced.coordinate_names.size());
     for (const std::string& name : reduced.coordinate_names) {
-      std::printf(" %s", name.c_str());
+      Print(" %s", name.c_str());
     }
-    std::printf("\n");
+    Print("\n");
   }
-  std::printf(
+  Print(
       "\nMode    full Hz   expected Hz   error %%   reduced: error %%      "
       "MAC\n");
   const double to_hz = c.problem.description.HzPerModelFrequency();
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
-    std::printf("%4d ", i + 1);
+    Print("%4d ", i + 1);
     PrintNumber(hz, "%10.5g", 10);
     const int place = i - modes.num_rigid_body_modes;
     const bool expected =
@@ -59,51 +59,50 @@ void PrintFiniteElementModel(const Case& c) {
     const double listed = expected
                               ? source.expected_hz[static_cast<size_t>(place)]
                               : std::nan("");
-    std::printf("    ");
+    Print("    ");
     PrintNumber(listed, "%10.5g", 10);
     PrintNumber(100.0 * (hz / listed - 1.0), "%10.3f", 10);
     const bool compared = i < reduced.mac.size();
-    std::printf("        ");
+    Print("        ");
     PrintNumber(compared ? 100.0 * reduced.frequency_error[i] : std::nan(""),
                 "%10.3f", 10);
     PrintNumber(compared ? reduced.mac[i] : std::nan(""), "%9.5f", 9);
-    std::printf("\n");
+    Print("\n");
   }
-  std::printf("\n");
+  Print("\n");
 }
 
 void PrintModel(const Case& c, const CaseCheck& check) {
   const StructuralDynamics& dynamics = *c.problem.dynamics;
-  std::printf("Model: %d DOFs, %d states, units %s, %s, %s\n",
-              dynamics.num_dofs(), dynamics.num_states(),
-              c.problem.description.units.force.c_str(),
-              c.problem.description.units.length.c_str(),
-              c.problem.description.units.time.c_str());
+  Print("Model: %d DOFs, %d states, units %s, %s, %s\n", dynamics.num_dofs(),
+        dynamics.num_states(), c.problem.description.units.force.c_str(),
+        c.problem.description.units.length.c_str(),
+        c.problem.description.units.time.c_str());
   if (!check.no_modes.empty()) {
-    std::printf("No modes: %s\n", check.no_modes.c_str());
+    Print("No modes: %s\n", check.no_modes.c_str());
     return;
   }
   const ModalProperties& modes = check.modes;
   const double to_hz = c.problem.description.HzPerModelFrequency();
-  std::printf(
+  Print(
       "\nModes (damping in %% of critical)\n"
       "Mode      Hz   damping %%   expected Hz   error %%\n");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
     // A negative stiffness has no frequency.
     if (!std::isfinite(hz)) {
-      std::printf("%4d %8s %10s\n", i + 1, "-", "-");
+      Print("%4d %8s %10s\n", i + 1, "-", "-");
       continue;
     }
     // A rigid body has no damping ratio.
-    std::printf("%4d %8.4g ", i + 1, hz);
+    Print("%4d %8.4g ", i + 1, hz);
     PrintNumber(100.0 * modes.damping_ratio[i] + 0.0, "%10.3g", 10);
     const size_t index = static_cast<size_t>(i);
     if (index < c.expected_hz.size()) {
-      std::printf("   %11.4g %9.2f", c.expected_hz[index],
-                  100.0 * (hz / c.expected_hz[index] - 1.0));
+      Print("   %11.4g %9.2f", c.expected_hz[index],
+            100.0 * (hz / c.expected_hz[index] - 1.0));
     }
-    std::printf("\n");
+    Print("\n");
   }
 }
 
@@ -113,31 +112,31 @@ void PrintPeaks(const CaseCheck& check) {
   for (const RecordPeaks& record : check.record_peaks) {
     if (record.hz.empty()) continue;
     if (!any) {
-      std::printf(
+      Print(
           "\nPeaks in the spectra of the responses, Hz (compare them with the "
           "modes)\n");
     }
     any = true;
-    std::printf("  %s:", record.record.c_str());
-    for (const double hz : record.hz) std::printf(" %.4g", hz);
-    std::printf("\n");
+    Print("  %s:", record.record.c_str());
+    for (const double hz : record.hz) Print(" %.4g", hz);
+    Print("\n");
   }
 }
 
 void PrintQuestions(const CaseCheck& check) {
   if (check.questions.empty()) return;
-  std::printf("\nPlease check\n");
+  Print("\nPlease check\n");
   for (const std::string& question : check.questions) {
-    std::printf("  %s\n", question.c_str());
+    Print("  %s\n", question.c_str());
   }
 }
 
 void PrintRecords(const Case& c) {
-  std::printf("\nRecords\n");
+  Print("\nRecords\n");
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     const IdentificationRecord& record = c.problem.records[r];
     const SubstepChoice& choice = c.substeps[r];
-    std::printf(
+    Print(
         "  %s (%s): %td samples, step %.6g s, %.4g s, %zu channels, "
         "excitation %s%s\n",
         record.name.c_str(),
@@ -150,28 +149,27 @@ void PrintRecords(const Case& c) {
             : "none",
         record.excitation->periodic() ? ", periodic" : "");
     if (choice.integrator == Integrator::kExact) {
-      std::printf("    integrated exactly; fastest mode %.4g rad/s",
-                  choice.stability.largest_eigenvalue);
+      Print("    integrated exactly; fastest mode %.4g rad/s",
+            choice.stability.largest_eigenvalue);
     } else if (choice.integrator == Integrator::kExponential) {
-      std::printf(
-          "    exponential steps, %d a sample%s; fastest mode %.4g rad/s",
-          record.exponential_steps,
-          record.substeps_chosen ? " (chosen)" : " (given)",
-          choice.stability.largest_eigenvalue);
+      Print("    exponential steps, %d a sample%s; fastest mode %.4g rad/s",
+            record.exponential_steps,
+            record.substeps_chosen ? " (chosen)" : " (given)",
+            choice.stability.largest_eigenvalue);
     } else {
-      std::printf(
+      Print(
           "    Runge-Kutta steps, %d a sample%s; fastest mode %.4g rad/s, "
           "growth %.6f",
           record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
           choice.stability.largest_eigenvalue, choice.stability.growth);
     }
     if (std::isfinite(choice.error) && !choice.channel.empty()) {
-      std::printf("; halving the step moves %s by %.2g (limit %.2g)",
-                  choice.channel.c_str(), choice.error, choice.error_limit);
+      Print("; halving the step moves %s by %.2g (limit %.2g)",
+            choice.channel.c_str(), choice.error, choice.error_limit);
     }
-    std::printf("\n");
+    Print("\n");
     for (const std::string& remark : record.description.remarks) {
-      std::printf("    %s\n", remark.c_str());
+      Print("    %s\n", remark.c_str());
     }
   }
 }
@@ -184,101 +182,98 @@ void PrintInputs(const Case& c, const AmbientRecord& record) {
     const InputSpec& input = dynamics.inputs()[static_cast<size_t>(i)];
     const auto samples = record.inputs->samples().row(i);
     if (input.kind == InputSpec::Kind::kCovariate) {
-      std::printf("    %s: mean %.5g, from %.5g to %.5g\n", input.name.c_str(),
-                  samples.mean(), samples.minCoeff(), samples.maxCoeff());
+      Print("    %s: mean %.5g, from %.5g to %.5g\n", input.name.c_str(),
+            samples.mean(), samples.minCoeff(), samples.maxCoeff());
     } else if (samples.maxCoeff() > samples.minCoeff()) {
       loads.push_back(input.name);
     }
   }
   if (loads.empty()) return;
-  std::printf("    measured loads, %s between samples: %s\n",
-              InterpolationName(record.inputs->interpolation()),
-              Join(loads, ", ").c_str());
+  Print("    measured loads, %s between samples: %s\n",
+        InterpolationName(record.inputs->interpolation()),
+        Join(loads, ", ").c_str());
 }
 
 void PrintAmbientRecords(const Case& c) {
   if (c.problem.ambient.empty()) return;
-  std::printf("\nRecords of unmeasured loads\n");
+  Print("\nRecords of unmeasured loads\n");
   for (const AmbientRecord& record : c.problem.ambient) {
-    std::printf(
-        "  %s: %ld samples, step %.6g s, %.4g s, %zu channels\n",
-        record.name.c_str(), static_cast<long>(record.samples.cols()),
-        record.sampling_step,
-        record.sampling_step * static_cast<double>(record.samples.cols() - 1),
-        record.channels.size());
+    Print("  %s: %ld samples, step %.6g s, %.4g s, %zu channels\n",
+          record.name.c_str(), static_cast<long>(record.samples.cols()),
+          record.sampling_step,
+          record.sampling_step * static_cast<double>(record.samples.cols() - 1),
+          record.channels.size());
     if (record.inputs.has_value()) PrintInputs(c, record);
   }
 }
 
 void PrintCandidates(const Case& c) {
   if (c.candidates.empty()) return;
-  std::printf("\nCandidates (a fit keeps those that the records support):");
+  Print("\nCandidates (a fit keeps those that the records support):");
   for (const ModelCandidate& candidate : c.candidates) {
-    std::printf(" %s", candidate.name.c_str());
+    Print(" %s", candidate.name.c_str());
   }
-  std::printf("\n");
+  Print("\n");
 }
 
 void PrintMeasuredModes(const Case& c, const CaseCheck& check) {
   if (check.mode_in_use.empty()) return;
   const double to_hz = c.problem.description.HzPerModelFrequency();
-  std::printf("\nMeasured modes, form %s\n",
-              ModalFormName(c.problem.modal.form));
+  Print("\nMeasured modes, form %s\n", ModalFormName(c.problem.modal.form));
   for (size_t i = 0; i < check.mode_in_use.size(); ++i) {
     const MeasuredMode& mode = c.problem.modal.modes[i];
-    std::printf("  %s: %.5g Hz, ", mode.name.c_str(), to_hz * mode.frequency);
+    Print("  %s: %.5g Hz, ", mode.name.c_str(), to_hz * mode.frequency);
     if (!check.mode_in_use[i]) {
-      std::printf("like no mode of the model, so a fit does not use it\n");
+      Print("like no mode of the model, so a fit does not use it\n");
       continue;
     }
     const ModeMatch& match = check.mode_match[i];
-    std::printf("mode %d of the model has %.5g Hz (%+.2f %%)", match.mode + 1,
-                to_hz * match.frequency,
-                100.0 * (match.frequency / mode.frequency - 1.0));
+    Print("mode %d of the model has %.5g Hz (%+.2f %%)", match.mode + 1,
+          to_hz * match.frequency,
+          100.0 * (match.frequency / mode.frequency - 1.0));
     if (mode.HasShape()) {
-      std::printf(", shape at %zu DOFs, MAC %.4f", mode.dofs.size(), match.mac);
+      Print(", shape at %zu DOFs, MAC %.4f", mode.dofs.size(), match.mac);
     }
-    std::printf("\n");
+    Print("\n");
   }
 }
 
 void PrintAssessment(const CaseCheck& check) {
   if (!check.ok()) {
-    std::printf("\nNot assessed: %s\n", check.not_assessed.c_str());
+    Print("\nNot assessed: %s\n", check.not_assessed.c_str());
     return;
   }
   const ProblemAssessment& assessment = check.assessment;
-  std::printf(
-      "\nSizes: %d free parameters, %td residuals, %d unknown start states\n",
-      assessment.num_free, assessment.num_residuals, assessment.num_starts);
+  Print("\nSizes: %d free parameters, %td residuals, %d unknown start states\n",
+        assessment.num_free, assessment.num_residuals, assessment.num_starts);
   if (!assessment.expected.empty()) {
-    std::printf(
+    Print(
         "\nExpected 95 %% uncertainty at the initial values (noise as given, "
         "otherwise 5 %%)\n");
     for (const auto& expected : assessment.expected) {
-      std::printf("  %-24s %12.5g +- %.2g %s%s\n", expected.name.c_str(),
-                  expected.initial, 1.96 * expected.sigma,
-                  expected.unit == "1" ? "" : expected.unit.c_str(),
-                  std::isfinite(expected.sigma) ? "" : "(not determined)");
+      Print("  %-24s %12.5g +- %.2g %s%s\n", expected.name.c_str(),
+            expected.initial, 1.96 * expected.sigma,
+            expected.unit == "1" ? "" : expected.unit.c_str(),
+            std::isfinite(expected.sigma) ? "" : "(not determined)");
     }
   }
   for (const std::string& remark : assessment.remarks) {
-    std::printf("\n%s\n", remark.c_str());
+    Print("\n%s\n", remark.c_str());
   }
   for (const std::string& direction : assessment.undetermined) {
-    std::printf(
+    Print(
         "\nNot determined by the sensors and the load: %s. Add a prior, fix "
         "one of them or add a channel.\n",
         direction.c_str());
   }
   for (const std::string& confusion : check.confusions) {
-    std::printf("\n%s\n", confusion.c_str());
+    Print("\n%s\n", confusion.c_str());
   }
   if (assessment.undetermined.empty() && !assessment.expected.empty()) {
-    std::printf("\nEvery named parameter is determined by the data%s.\n",
-                check.confusions.empty()
-                    ? ""
-                    : ", if the case is right about the errors above");
+    Print("\nEvery named parameter is determined by the data%s.\n",
+          check.confusions.empty()
+              ? ""
+              : ", if the case is right about the errors above");
   }
 }
 
@@ -286,7 +281,7 @@ void PrintAssessment(const CaseCheck& check) {
 
 void PrintCaseCheck(const Case& c, const CaseCheck& check) {
   if (!c.problem.description.title.empty()) {
-    std::printf("%s\n\n", c.problem.description.title.c_str());
+    Print("%s\n\n", c.problem.description.title.c_str());
   }
   PrintFiniteElementModel(c);
   PrintModel(c, check);
@@ -297,7 +292,7 @@ void PrintCaseCheck(const Case& c, const CaseCheck& check) {
   PrintCandidates(c);
   PrintMeasuredModes(c, check);
   for (const std::string& remark : c.problem.description.remarks) {
-    std::printf("  %s\n", remark.c_str());
+    Print("  %s\n", remark.c_str());
   }
   if (check.has_measurements) PrintAssessment(check);
 }

@@ -1,7 +1,6 @@
 #include "apps/console_watch.h"
 
-#include <cstdio>
-
+#include "apps/print.h"
 #include "apps/program.h"
 
 namespace pinode {
@@ -18,13 +17,13 @@ void ConsoleWatch::OnFitEnd(Termination) { line_.End(); }
 void ConsoleWatch::OnProfile(const std::vector<ParameterProfile>& done,
                              int of) {
   if (!show_progress_) return;
-  std::fprintf(stderr, "profiles: %zu of %d\n", done.size(), of);
+  PrintError("profiles: %zu of %d", done.size(), of);
 }
 
 bool ConsoleWatch::StopsProfiles() { return Interrupted(); }
 
 void ConsoleWatch::OnTrouble(const std::string& sentence) {
-  std::fprintf(stderr, "%s\n", sentence.c_str());
+  PrintError("%s", sentence.c_str());
 }
 
 }  // namespace pinode

@@ -2,8 +2,7 @@
 
 #include <gflags/gflags.h>
 
-#include <cstdio>
-
+#include "apps/print.h"
 #include "pinode/case/results/updated_deck.h"
 
 DEFINE_string(deck, "",
@@ -30,7 +29,7 @@ bool WriteDeck(const Case& c, const IdentifiedModel& model,
 }
 
 void PrintNoDeck(const std::string& error) {
-  std::fprintf(stderr, "no updated deck: %s\n", error.c_str());
+  PrintError("no updated deck: %s", error.c_str());
 }
 
 }  // namespace pinode

@@ -8,12 +8,12 @@
 
 #include <gflags/gflags.h>
 
-#include <cstdio>
 #include <functional>
 #include <string>
 
 #include "apps/check_text.h"
 #include "apps/launcher.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "apps/sensor_planning.h"
 #include "pinode/case/results/case_check.h"
@@ -65,6 +65,7 @@ int WriteFolder(int status,
   if (FLAGS_output_dir.empty()) return status;
   ResultFolder folder;
   std::string error;
+  CatchInterrupts();
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }
@@ -73,7 +74,7 @@ int WriteFolder(int status,
       !folder.Commit(&error)) {
     return CannotWrite(error, folder);
   }
-  std::printf("Results: %s\n", folder.final_path().c_str());
+  Print("Results: %s\n", folder.final_path().c_str());
   return status;
 }
 
@@ -100,7 +101,7 @@ int RunProgram(int argc, char** argv) {
     if (!PlanForCase(FLAGS_case, FLAGS_plan, &c, &planned, &error)) {
       return Refuse(error);
     }
-    std::printf("%s", CasePlanText(c, planned).c_str());
+    Print("%s", CasePlanText(c, planned).c_str());
     return WriteFolder(
         planned.plan.undetermined_by_plan.empty() ? kExitDone : kExitNotUsable,
         [&](const std::string& folder, std::string* failure) {

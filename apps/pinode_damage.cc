@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "apps/console_watch.h"
 #include "apps/deck_flag.h"
 #include "apps/fit_flags.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/file.h"
@@ -90,29 +90,50 @@ bool ReadBaselines(const Case& c, std::vector<Baseline>* baselines,
   return true;
 }
 
-// Writes the judgement, if there is one, and the report.
-bool WriteDamageFiles(const ReportInput& report, const std::string& folder,
-                      std::string* error) {
+// Writes the judgement and the report.
+bool WriteDamageFiles(const DamageResult& result, const ReportInput& report,
+                      const std::string& folder, std::string* error) {
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
-  return (report.damage == nullptr ||
-          WriteFileAtomically(folder + "/damage.json",
-                              DamageAsJson(*report.damage), error)) &&
+  return WriteFileAtomically(folder + "/damage.json", DamageAsJson(result),
+                             error) &&
          WriteHtmlReport(report, report_options, folder + "/report.html",
                          error);
 }
 
+// Returns what damage.json says where changes were not judged: who waits for
+// the file finds it in every folder.
+DamageResult NotJudged(const JudgedChange& judgement,
+                       const std::vector<Baseline>& baselines,
+                       const ChangeOptions& change) {
+  DamageResult result;
+  for (const Baseline& baseline : baselines) {
+    result.baselines.push_back(baseline.name);
+  }
+  result.options = change;
+  result.judgement.verdict = DamageVerdict::kCannotTell;
+  result.judgement.sentence =
+      judgement.interrupted
+          ? "Interrupted before the changes were judged: continue with "
+            "--resume."
+      : judgement.why_not.empty()
+          ? "The fit is not usable, and nothing can be said about changes: "
+            "result.json gives the reasons."
+          : "Nothing can be said about changes: " + judgement.why_not + ".";
+  return result;
+}
+
 void PrintChange(const DamageResult& result) {
-  std::printf("%s\n\nChange since the baseline\n%s\n",
-              result.judgement.sentence.c_str(),
-              MakeChangeTable(result).ToText().c_str());
+  Print("%s\n\nChange since the baseline\n%s\n",
+        result.judgement.sentence.c_str(),
+        MakeChangeTable(result).ToText().c_str());
   const TextTable explanations = MakeChangeExplanationTable(result);
   if (!explanations.empty()) {
-    std::printf("Explanations that these records cannot tell apart\n%s\n",
-                explanations.ToText().c_str());
+    Print("Explanations that these records cannot tell apart\n%s\n",
+          explanations.ToText().c_str());
   }
   for (const std::string& remark : result.remarks) {
-    std::printf("%s\n", remark.c_str());
+    Print("%s\n", remark.c_str());
   }
 }
 
@@ -164,10 +185,10 @@ int RunProgram(int argc, char** argv) {
   const JudgedChange judgement =
       JudgeChange(summary, model, baselines, change, &watch, &c);
   if (!judgement.why_not.empty()) {
-    std::fprintf(stderr, "no verdict on changes: %s\n",
-                 judgement.why_not.c_str());
+    PrintError("no verdict on changes: %s", judgement.why_not.c_str());
   }
-  const DamageResult& result = judgement.result;
+  const DamageResult not_judged = NotJudged(judgement, baselines, change);
+  const DamageResult& result = judgement.judged ? judgement.result : not_judged;
   if (judgement.judged) {
     summary = result.summary;
     model = result.model;
@@ -197,17 +218,17 @@ int RunProgram(int argc, char** argv) {
       PictureOfCase(c, summary, model, report.damage);
   if (picture.has_value()) report.structure = &*picture;
   if (!WriteVtu(picture, folder.working_path(), &error) ||
-      !WriteDamageFiles(report, folder.working_path(), &error) ||
+      !WriteDamageFiles(result, report, folder.working_path(), &error) ||
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return CannotWrite(error, folder);
   }
 
   // 5. Output on the console.
   if (judgement.judged) PrintChange(result);
-  std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
-              folder.final_path().c_str());
+  Print("%s\nResults: %s\n", ConsoleReport(report).c_str(),
+        folder.final_path().c_str());
   if (judgement.interrupted) {
-    std::fprintf(stderr, "interrupted; continue with --resume\n");
+    PrintError("interrupted; continue with --resume");
   }
   if (!has_deck) {
     PrintNoDeck(deck_error);

@@ -15,7 +15,6 @@
 #include <gflags/gflags.h>
 
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,6 +22,7 @@
 
 #include "apps/console_watch.h"
 #include "apps/fit_flags.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/free_memory.h"
@@ -216,18 +216,18 @@ bool WriteUnfittedModel(const Case& c, const IdentifiedModel& model,
                         folder.final_path(), error);
 }
 
-void Print(const Discovery& discovery) {
-  std::printf("%s\n", EquationsAsText(discovery).c_str());
+void PrintResult(const Discovery& discovery) {
+  Print("%s\n", EquationsAsText(discovery).c_str());
   for (const std::string& dropped : discovery.dropped) {
-    std::printf("dropped in the refit: %s\n", dropped.c_str());
+    Print("dropped in the refit: %s\n", dropped.c_str());
   }
   for (const std::string& added : discovery.added) {
-    std::printf("added in the refit: %s\n", added.c_str());
+    Print("added in the refit: %s\n", added.c_str());
   }
   if (discovery.refitted) {
-    std::printf("%s\n", discovery.summary.BriefReport().c_str());
+    Print("%s\n", discovery.summary.BriefReport().c_str());
     const std::string missed = WhatIsMissed(discovery.summary);
-    if (!missed.empty()) std::printf("%s\n", missed.c_str());
+    if (!missed.empty()) Print("%s\n", missed.c_str());
   }
 }
 
@@ -303,10 +303,10 @@ int RunProgram(int argc, char** argv) {
   }
 
   // 5. Output on the console.
-  Print(discovery);
-  std::printf("Results: %s\n", folder.final_path().c_str());
+  PrintResult(discovery);
+  Print("Results: %s\n", folder.final_path().c_str());
   if (IsInterrupted(discovery)) {
-    std::fprintf(stderr, "interrupted; continue with --resume\n");
+    PrintError("interrupted; continue with --resume");
   }
   return status_of_fit;
 }

@@ -13,11 +13,11 @@
 #include <gflags/gflags.h>
 
 #include <chrono>
-#include <cstdio>
 #include <string>
 
 #include "apps/fit_flags.h"
 #include "apps/launcher.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
@@ -125,6 +125,7 @@ int RunProgram(int argc, char** argv) {
   HtmlReportOptions report_options;
   report_options.num_threads = DefaultThreads();
   ResultFolder folder;
+  CatchInterrupts();
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }
@@ -137,11 +138,11 @@ int RunProgram(int argc, char** argv) {
   }
 
   // 4. Output on the console.
-  std::printf("%s\n", ModesAsText(result.merged).c_str());
+  Print("%s\n", ModesAsText(result.merged).c_str());
   for (const std::string& remark : result.remarks) {
-    std::printf("%s\n", remark.c_str());
+    Print("%s\n", remark.c_str());
   }
-  std::printf("Results: %s\n", folder.final_path().c_str());
+  Print("Results: %s\n", folder.final_path().c_str());
   return result.merged.modes.empty() ? kExitNotUsable : kExitDone;
 }
 

@@ -24,6 +24,7 @@
 
 #include "apps/check_text.h"
 #include "apps/launcher.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
@@ -220,13 +221,13 @@ bool DraftWithAnswers(DraftRequest* request, std::vector<CaseDraft>* drafts,
     if (asked == answers.end() || !is_terminal) {
       if (!question.flag.empty()) *error = question.AsError();
       if (last == nullptr || !question.flag.empty()) return false;
-      std::printf("%s\n", error->c_str());
+      Print("%s\n", error->c_str());
     } else {
       last = asked->second;
-      std::printf("%s.\nFor example: %s\n", question.text.c_str(),
-                  question.example.c_str());
+      Print("%s.\nFor example: %s\n", question.text.c_str(),
+            question.example.c_str());
     }
-    std::printf("> ");
+    Print("> ");
     std::fflush(stdout);
     if (!std::getline(std::cin, *last) || last->empty()) {
       *error = "no answer; see the flag in --help";
@@ -282,31 +283,31 @@ bool WriteCases(const std::vector<CheckedDraft>& checked, std::string* error) {
 void PrintSentences(const char* title,
                     const std::vector<std::string>& sentences) {
   if (sentences.empty()) return;
-  std::printf("%s\n", title);
+  Print("%s\n", title);
   for (const std::string& sentence : sentences) {
-    std::printf("  %s\n", sentence.c_str());
+    Print("  %s\n", sentence.c_str());
   }
-  std::printf("\n");
+  Print("\n");
 }
 
 void PrintNextSteps(const std::vector<CheckedDraft>& checked) {
   std::filesystem::path folder(checked[0].draft.path);
   folder.replace_extension();
   const std::string result = folder.string() + "_result";
-  std::printf("\nWritten: %s", checked[0].draft.path.c_str());
-  if (checked.size() > 1) std::printf(", %s", checked[1].draft.path.c_str());
+  Print("\nWritten: %s", checked[0].draft.path.c_str());
+  if (checked.size() > 1) Print(", %s", checked[1].draft.path.c_str());
   const std::string deck = FLAGS_deck.empty() ? "" : " --deck=" + FLAGS_deck;
-  std::printf("\nNext:\n  pinode_update --case=%s --output_dir=%s%s\n",
-              checked[0].draft.path.c_str(), result.c_str(), deck.c_str());
+  Print("\nNext:\n  pinode_update --case=%s --output_dir=%s%s\n",
+        checked[0].draft.path.c_str(), result.c_str(), deck.c_str());
   if (checked.size() > 1) {
-    std::printf("  pinode_damage --baseline=%s --case=%s --output_dir=%s\n",
-                result.c_str(), checked[1].draft.path.c_str(),
-                (folder.string() + "_damage").c_str());
+    Print("  pinode_damage --baseline=%s --case=%s --output_dir=%s\n",
+          result.c_str(), checked[1].draft.path.c_str(),
+          (folder.string() + "_damage").c_str());
   }
 }
 
 // Prints all of the first check, and of others what is special.
-int Print(const std::vector<CheckedDraft>& checked) {
+int PrintChecked(const std::vector<CheckedDraft>& checked) {
   int status = kExitDone;
   std::vector<std::string> assumptions;
   std::vector<std::string> remarks;
@@ -374,17 +375,18 @@ int RunProgram(int argc, char** argv) {
   }
 
   // 2. The cases, once they were read back.
+  CatchInterrupts();
   if (!WriteCases(checked, &error)) {
-    std::fprintf(stderr, "%s\n", error.c_str());
+    PrintError("%s", error.c_str());
     return kExitNotUsable;
   }
-  status = Print(checked);
+  status = PrintChecked(checked);
   if (FLAGS_output_dir.empty()) return status;
   ResultFolder folder;
   if (!WriteCheckFolder(checked[0], &folder, &error)) {
     return CannotWrite(error, folder);
   }
-  std::printf("Check: %s\n", folder.final_path().c_str());
+  Print("Check: %s\n", folder.final_path().c_str());
   return status;
 }
 

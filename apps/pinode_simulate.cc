@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/launcher.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "pinode/base/statistics.h"
 #include "pinode/case/results/matlab_results.h"
@@ -63,8 +64,7 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
                                      SensorNoise* noise) {
   std::vector<CsvColumn> columns;
   columns.push_back({"t", FileTimes(record)});
-  std::printf("record %s: %td samples\n", record.name.c_str(),
-              record.num_samples());
+  Print("record %s: %td samples\n", record.name.c_str(), record.num_samples());
   for (size_t i = 0; i < record.channels.size(); ++i) {
     const MeasuredChannel& channel = record.channels[i];
     const std::string& name = channel.observation.name;
@@ -73,9 +73,8 @@ std::vector<CsvColumn> SensorColumns(const IdentificationProblem& problem,
     const double spread = StandardDeviationOfPresent(values);
     noise->AddTo(percent < 0.0 ? OwnNoisePercent(channel, values) : percent,
                  &values);
-    std::printf("  %-16s standard deviation %.4g %s, largest %.4g %s\n",
-                name.c_str(), spread, unit.c_str(),
-                values.cwiseAbs().maxCoeff(), unit.c_str());
+    Print("  %-16s standard deviation %.4g %s, largest %.4g %s\n", name.c_str(),
+          spread, unit.c_str(), values.cwiseAbs().maxCoeff(), unit.c_str());
     columns.push_back({name, std::move(values)});
   }
   return columns;
@@ -92,14 +91,13 @@ bool WriteResponse(const IdentificationProblem& problem, size_t r,
       SimulateRecord(problem, static_cast<int>(r), parameters);
   *finite = response.finite;
   if (!response.remark.empty()) {
-    std::printf("record %s: %s\n", record.name.c_str(),
-                response.remark.c_str());
+    Print("record %s: %s\n", record.name.c_str(), response.remark.c_str());
   }
   if (!response.finite) {
-    std::fprintf(
-        stderr, "record %s: the response is not finite from t = %g %s on\n",
-        record.name.c_str(), FileTimes(record)[response.first_not_finite],
-        record.description.time_unit.c_str());
+    PrintError("record %s: the response is not finite from t = %g %s on",
+               record.name.c_str(),
+               FileTimes(record)[response.first_not_finite],
+               record.description.time_unit.c_str());
   }
   return WriteCsv(
       folder + "/response_" + record.name + ".csv",
@@ -137,6 +135,7 @@ int RunProgram(int argc, char** argv) {
 
   // 2. A response for each record.
   ResultFolder folder;
+  CatchInterrupts();
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }
@@ -162,7 +161,7 @@ int RunProgram(int argc, char** argv) {
       !folder.Commit(&error)) {
     return CannotWrite(error, folder);
   }
-  std::printf("Responses: %s\n", folder.final_path().c_str());
+  Print("Responses: %s\n", folder.final_path().c_str());
   return all_finite ? kExitDone : kExitNotUsable;
 }
 

@@ -11,13 +11,13 @@
 #include <gflags/gflags.h>
 
 #include <chrono>
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "apps/console_watch.h"
 #include "apps/deck_flag.h"
 #include "apps/fit_flags.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "apps/ranks.h"
 #include "pinode/base/free_memory.h"
@@ -123,13 +123,13 @@ int RunProgram(int argc, char** argv) {
       !WriteForMatlab(folder, &error) || !folder.Commit(&error)) {
     return CannotWrite(error, folder);
   }
-  std::printf("%s\nResults: %s\n", ConsoleReport(report).c_str(),
-              folder.final_path().c_str());
+  Print("%s\nResults: %s\n", ConsoleReport(report).c_str(),
+        folder.final_path().c_str());
   if (cut_off) {
-    std::fprintf(stderr,
-                 "interrupted; the best result so far is in %s; continue with "
-                 "--resume\n",
-                 folder.final_path().c_str());
+    PrintError(
+        "interrupted; the best result so far is in %s; continue with "
+        "--resume",
+        folder.final_path().c_str());
   }
   if (!has_deck) {
     PrintNoDeck(deck_error);

@@ -1,7 +1,9 @@
 #include "apps/program.h"
 
 #include <gflags/gflags.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -14,9 +16,21 @@
 #include <system_error>
 
 #include "apps/help_text.h"
+#include "apps/launcher.h"
+#include "apps/print.h"
+#include "pinode/base/arrays/quiet_hdf5.h"
 #include "pinode/base/free_memory.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unpacked_size.h"
+#include "pinode/dynamics/own_code.h"
+
+DEFINE_bool(no_code, false,
+            "refuse cases whose elements run code of their own (a `file` of "
+            "[[element]]); for cases from strangers");
+DEFINE_double(unpacked_gb, 2.0,
+              "largest size in GB that one file may take in memory; files may "
+              "always take 16 times their own size");
 
 DECLARE_int32(v);
 DECLARE_bool(logtostderr);
@@ -26,12 +40,33 @@ namespace pinode {
 namespace {
 
 volatile std::sig_atomic_t interrupts = 0;
+// False until the program asks for interrupts itself: it has nothing to save.
+volatile std::sig_atomic_t is_caught = 0;
 
 void OnInterrupt(int signal) {
+  if (is_caught == 0) {
+    constexpr char kLine[] = "interrupted; nothing was written\n";
+    // A failure to write it cannot be reported either.
+    (void)!write(STDERR_FILENO, kLine, sizeof(kLine) - 1);
+    _exit(kExitInterrupted);
+  }
   interrupts = interrupts + 1;
   if (signal == SIGINT && interrupts > 2) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
+  }
+}
+
+void HandleInterrupts() {
+  struct sigaction action = {};
+  struct sigaction before = {};
+  action.sa_handler = OnInterrupt;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    // Under nohup SIGHUP is ignored, and stays so.
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
   }
 }
 
@@ -73,6 +108,9 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
                 std::vector<std::string>* files) {
   *status = kExitBadInput;
   std::set_terminate(OnTerminate);
+  // A file above the limit of `ulimit -f` is then an error of its writer.
+  std::signal(SIGXFSZ, SIG_IGN);
+  QuietHdf5AtExit();
   ReturnFreedMemory();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -88,15 +126,17 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
     bool has_value = false;
     std::string name = FlagName(argument, &value, &has_value);
     if (name == "help" || name == "h") {
-      std::printf("%s", HelpText(usage).c_str());
+      Print("%s", HelpText(usage).c_str());
       *status = kExitDone;
       return false;
     }
     if (name == "version") {
-      std::printf("%s\n", VersionText(argv[0]).c_str());
+      Print("%s\n", VersionText(argv[0]).c_str());
       *status = kExitDone;
       return false;
     }
+    // --no-code is --no_code.
+    std::replace(name.begin(), name.end(), '-', '_');
     gflags::CommandLineFlagInfo info;
     if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info) &&
         name.rfind("no", 0) == 0 && !has_value &&
@@ -128,6 +168,15 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
       return false;
     }
   }
+  if (!(FLAGS_unpacked_gb > 0.0)) {
+    Refuse("--unpacked_gb is " + FormatNumber(FLAGS_unpacked_gb) +
+           ", expected a positive number of GB");
+    return false;
+  }
+  SetLargestUnpackedBytes(1e9 * FLAGS_unpacked_gb);
+  if (FLAGS_no_code) RefuseOwnCode();
+  // Launchers of several ranks look after signals themselves.
+  if (NumLaunchedRanks() == 1) HandleInterrupts();
   FLAGS_logtostderr = true;
   // Log messages of Ceres and others appear on request only.
   if (FLAGS_v == 0) FLAGS_minloglevel = google::GLOG_FATAL;
@@ -136,7 +185,7 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
 }
 
 int Refuse(const std::string& message) {
-  std::fprintf(stderr, "%s\n", message.c_str());
+  PrintError("%s", message.c_str());
   return kExitBadInput;
 }
 
@@ -144,8 +193,8 @@ int CannotWrite(const std::string& message, const ResultFolder& folder) {
   std::error_code status;
   const bool can_resume =
       std::filesystem::exists(folder.checkpoint_path(), status);
-  std::fprintf(stderr, "%s%s\n", message.c_str(),
-               can_resume ? "; continue with --resume" : "");
+  PrintError("%s%s", message.c_str(),
+             can_resume ? "; continue with --resume" : "");
   return kExitNotUsable;
 }
 
@@ -171,25 +220,34 @@ std::string CommandLine(int argc, char** argv) {
 }
 
 void CatchInterrupts() {
-  struct sigaction action = {};
-  struct sigaction before = {};
-  action.sa_handler = OnInterrupt;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  // Under nohup SIGHUP is ignored, and stays so.
-  sigaction(SIGHUP, nullptr, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  is_caught = 1;
+  HandleInterrupts();
 }
 
 bool Interrupted() { return interrupts > 0; }
 
 }  // namespace pinode
 
+namespace {
+
+// Ends the process without the end of libraries. Where memory is short,
+// OpenBLAS waits there for ever for threads that it could not start, and
+// ignores every signal that the program catches.
+[[noreturn]] void End(int status) {
+#if defined(__SANITIZE_ADDRESS__)
+  std::exit(status);  // leaks are looked for at the end
+#else
+  std::fflush(nullptr);
+  std::_Exit(status);
+#endif
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   const int status = pinode::RunProgram(argc, argv);
   errno = 0;
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) End(status);
   if (errno == 0) {
     // A write before the last one failed and left the buffer empty. Another one
     // to the same place says why.
@@ -199,6 +257,6 @@ int main(int argc, char** argv) {
   }
   const char* why =
       errno != 0 ? std::strerror(errno) : "an earlier write failed";
-  std::fprintf(stderr, "standard output cannot be written: %s\n", why);
-  return status == pinode::kExitDone ? pinode::kExitNotUsable : status;
+  pinode::PrintError("standard output cannot be written: %s", why);
+  End(status == pinode::kExitDone ? pinode::kExitNotUsable : status);
 }

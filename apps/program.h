@@ -43,7 +43,9 @@ std::string CommandLine(int argc, char** argv);
 
 // Makes SIGINT, SIGTERM and SIGHUP set a mark instead of ending the process,
 // however many come: `timeout` sends two. Only a third Ctrl-C ends the process
-// without results.
+// without results. Before this call, and after ParseFlags, they end the process
+// at once with status kExitInterrupted and one line. Programs that save nothing
+// on their way call it before they write their folder, which so becomes whole.
 void CatchInterrupts();
 bool Interrupted();
 

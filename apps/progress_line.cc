@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <string>
 
+#include "apps/print.h"
+
 namespace pinode {
 namespace {
 

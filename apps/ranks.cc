@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "apps/launcher.h"
+#include "apps/print.h"
 #include "apps/program.h"
 #include "pinode/base/logging.h"
 #include "pinode/study/problem/checkpoint.h"
@@ -37,9 +38,8 @@ Ranks::Ranks() {
   options.timeout_seconds = FLAGS_rank_timeout;
   options.interrupted = pinode::Interrupted;
   options.on_failure = [this](const std::string& what) {
-    std::fprintf(stderr,
-                 "%s; the last checkpoint is kept, continue with --resume\n",
-                 what.c_str());
+    PrintError("%s; the last checkpoint is kept, continue with --resume",
+               what.c_str());
     std::fflush(nullptr);
     mpi_->communicator->Abort(kExitInterrupted);
   };

@@ -13,6 +13,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/fnv.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/own_code.h"
 #include "pinode/dynamics/own_element.h"
 
 namespace pinode {
@@ -106,6 +107,12 @@ const ElementLibrary::Element* ElementLibrary::Find(const std::string& type,
 
 bool LoadElementLibrary(const std::string& path, ElementLibrary* library,
                         std::string* error) {
+  if (IsOwnCodeRefused()) {
+    *error = path +
+             ": runs code of its own, which --no-code or PINODE_NO_CODE "
+             "refuses: leave them out if you trust this file";
+    return false;
+  }
   std::string content;
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status)) {
