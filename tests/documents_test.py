@@ -109,7 +109,9 @@ def own_flags(root):
 
     flags = {}
     for path in (root / "apps").glob("pinode_*.cc"):
-        shared = {"help", "version", "v", "vmodule"} | defined(root / "apps" / "ranks.cc")
+        shared = {"help", "version", "v", "vmodule"}
+        for every in ("program.cc", "ranks.cc"):
+            shared |= defined(root / "apps" / every)
         if re.search(r'"apps/fit_flags.h"|^DECLARE_string\(case\)', path.read_text(), re.M):
             shared |= defined(root / "apps" / "fit_flags.cc")
         if '"apps/deck_flag.h"' in path.read_text():

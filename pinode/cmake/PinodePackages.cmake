@@ -148,6 +148,7 @@ This package has the programs, which read case files.")
     COMPONENT programs)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/matlab.md
       ${PROJECT_SOURCE_DIR}/pinode/case/recipes.md
+      ${PROJECT_SOURCE_DIR}/pinode/case/security.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode COMPONENT programs)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/pinode/case/first_case
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode COMPONENT programs

@@ -24,6 +24,7 @@ TUTORIALS = pathlib.Path("pinode/python/tutorials")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
     ("Use", ["pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
+             "pinode/case/security",
              "pinode/python/README", "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
              "apps/README"]),
     ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
