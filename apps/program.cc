@@ -1,5 +1,6 @@
 #include "apps/program.h"
 
+#include <dlfcn.h>
 #include <gflags/gflags.h>
 #include <unistd.h>
 
@@ -230,6 +231,20 @@ bool Interrupted() { return interrupts > 0; }
 
 namespace {
 
+// Starts the program again with one thread in OpenBLAS, if it is linked and
+// nobody has said how many. It starts its threads when it is loaded. Where
+// memory is short, they ask for theirs in a loop that never ends.
+void UseOneBlasThread(char** argv) {
+  constexpr char kVariable[] = "OPENBLAS_NUM_THREADS";
+  if (std::getenv(kVariable) != nullptr ||
+      dlsym(RTLD_DEFAULT, "openblas_set_num_threads") == nullptr) {
+    return;
+  }
+  setenv(kVariable, "1", 0);
+  execv("/proc/self/exe", argv);
+  // Where it cannot be started again, it goes on as it is.
+}
+
 // Ends the process without the end of libraries. Where memory is short,
 // OpenBLAS waits there for ever for threads that it could not start, and
 // ignores every signal that the program catches.
@@ -245,6 +260,7 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
+  UseOneBlasThread(argv);
   const int status = pinode::RunProgram(argc, argv);
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) End(status);
