@@ -32,8 +32,8 @@ level=$(bundle_level "$tree")
 cat >"$tree/README.txt" <<END_OF_README
 pinode $version: programs for structural identification.
 
-They run on any x86-64 Linux with glibc ${level/_/.} or newer (Debian 12, Ubuntu 24.04),
-from any folder, and need no installation:
+They run on any x86-64 Linux with glibc ${level/_/.} or newer (for
+instance Debian 12), from any folder, and need no installation:
 
     bin/pinode_update --case=share/doc/pinode/examples/three_storey/three_storey.toml --output_dir=out
 
