@@ -64,7 +64,7 @@ bundle_begin() {
   scratch=$(mktemp -d)
   trap 'rm -rf -- "$scratch"' EXIT
   bundle_table=$scratch/libraries
-  # The same sources give the same files.
+  # Files have the time of the commit, not of this run.
   SOURCE_DATE_EPOCH=$(git log -1 --format=%ct 2>/dev/null || date +%s)
   export SOURCE_DATE_EPOCH
   for component in programs shared; do
