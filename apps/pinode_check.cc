@@ -5,6 +5,7 @@
 //   pinode_check --case=data/three_storey/three_storey.toml
 //   pinode_check --case=data/three_storey/three_storey.toml --plan=2
 //   pinode_check --case=data/three_storey/three_storey.toml --output_dir=out
+//   pinode_check --keys
 
 #include <gflags/gflags.h>
 
@@ -22,11 +23,15 @@
 #include "pinode/case/results/plan_files.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/sections/case_file.h"
+#include "pinode/case/text/case_keys.h"
 
 DEFINE_string(
     case, "",
     "case file (TOML); format: see case_files.md (in the source tree: "
     "pinode/case/README.md)");
+DEFINE_bool(keys, false,
+            "print every key of a case with its type, default and meaning, as "
+            "tables in Markdown, and read no case");
 DEFINE_int32(
     plan, 0,
     "choose this number of sensors: those that determine the groups "
@@ -92,6 +97,10 @@ int RunProgram(int argc, char** argv) {
   }
   if (NumLaunchedRanks() > 1) {
     return Refuse("pinode_check runs in one process, expected no launcher");
+  }
+  if (FLAGS_keys) {
+    std::printf("%s", KeyReference().c_str());
+    return kExitDone;
   }
   Case c;
   std::string error;

@@ -24,9 +24,7 @@ class AmbientReader {
         record_(record) {}
 
   bool Read(std::vector<std::string>* remarks) {
-    if (!section_.table.errors()->ok() ||
-        !table_.AllowKeys({"dofs", "areas", "proportional_to_mass", "base",
-                           "correlated", "knots", "band_hz"})) {
+    if (!section_.table.errors()->ok() || !table_.AllowKeys()) {
       return false;
     }
     IdentificationRecord measured;

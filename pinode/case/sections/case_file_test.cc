@@ -102,6 +102,19 @@ TEST(CaseFileTest, ShearBuilding) {
   EXPECT_EQ(c.problem.dynamics->groups()[0].group.matrix(1, 1), 100.0);
 }
 
+// As mass and stiffness may be given.
+TEST(CaseFileTest, DampingOfAFileInATable) {
+  TemporaryFolder folder;
+  folder.Write("quake.csv", SmallRecord());
+  folder.Write("C.csv", "3, -1\n-1, 1\n");
+  const Case c = ReadOrFail(folder.Write(
+      "case.toml", Replaced(SmallCase(), "damping = {ratios = [0.02]}",
+                            "damping = {file = \"C.csv\"}")));
+  ASSERT_NE(c.problem.dynamics, nullptr);
+  EXPECT_EQ(c.problem.dynamics->model().damping(0, 0), 3.0);
+  EXPECT_EQ(c.problem.dynamics->model().damping(0, 1), -1.0);
+}
+
 // Rayleigh's damping with unknown factors: groups that are the model's mass and
 // stiffness.
 TEST(CaseFileTest, DampingInProportion) {

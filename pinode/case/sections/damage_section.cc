@@ -27,7 +27,7 @@ bool ReadMasses(const TomlTable& table, const StructuralModel& model,
 bool ReadPlaces(const TomlTable& table, const StructuralModel& model,
                 DamageSearch* search) {
   for (TomlTable& inner : table.Tables("place", "damage")) {
-    if (!inner.AllowKeys({"name", "between"})) return false;
+    if (!inner.AllowKeys()) return false;
     DamageSearch::SpringPlace place;
     place.name = inner.RequiredString("name");
     if (!table.errors()->ok()) return false;
@@ -54,7 +54,7 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
                 DamageSearch* search) {
   *search = DamageSearch();
   const TomlTable table = root.Table("damage", "[damage]");
-  if (!table.AllowKeys({"kinds", "masses", "place"})) return false;
+  if (!table.AllowKeys()) return false;
   std::vector<std::string> kinds = {"mass", "damping", "stiffness",
                                     "nonlinear"};
   if (table.Has("kinds")) {

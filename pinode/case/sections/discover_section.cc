@@ -12,16 +12,6 @@
 namespace pinode {
 namespace {
 
-const std::vector<std::string>& LibraryKeys() {
-  static const auto& keys =
-      *new std::vector<std::string>{"constant",      "polynomial_degree",
-                                    "products",      "polynomial_features",
-                                    "sine",          "cosine",
-                                    "absolute",      "sign",
-                                    "signed_square", "expressions"};
-  return keys;
-}
-
 // Reads features in the notation of the library.
 bool ReadFeatures(const TomlTable& table, const std::string& key,
                   const StructuralDynamics& dynamics,
@@ -61,9 +51,7 @@ bool ReadLibraryKeys(const TomlTable& table, const StructuralDynamics& dynamics,
 
 bool ReadOutput(const TomlTable& table, const StructuralDynamics& dynamics,
                 DiscoveryOptions::Output* output) {
-  std::vector<std::string> known = LibraryKeys();
-  known.insert(known.begin(), {"name", "given", "positive", "negative"});
-  if (!table.AllowKeys(known)) return false;
+  if (!table.AllowKeys()) return false;
   output->name = table.RequiredString("name");
   if (!table.errors()->ok()) return false;
   std::vector<std::string> names;
@@ -95,11 +83,7 @@ bool ReadOutput(const TomlTable& table, const StructuralDynamics& dynamics,
 bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
                   DiscoveryOptions* options) {
   const TomlTable table = root.Table("discover", "[discover]");
-  std::vector<std::string> known = LibraryKeys();
-  known.insert(known.begin(), {"source", "solver", "networks", "features",
-                               "tolerance", "bags", "library_fraction", "seed",
-                               "prune_fraction", "refit", "search", "output"});
-  if (!root.errors()->ok() || !table.AllowKeys(known)) return false;
+  if (!root.errors()->ok() || !table.AllowKeys()) return false;
   options->source = table.Choice("source", {"network", "derivatives"},
                                  "network") == "derivatives"
                         ? DiscoveryOptions::Source::kDerivatives

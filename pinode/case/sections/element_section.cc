@@ -52,7 +52,7 @@ bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
   }
   const TomlTable keys =
       parameters.Table(info.name, table.name() + ", parameter " + info.name);
-  return table.errors()->ok() && keys.AllowKeys(ParameterKeys()) &&
+  return table.errors()->ok() && keys.AllowKeys() &&
          ReadParameterKeys(keys, 1.0, parameter);
 }
 
@@ -151,8 +151,7 @@ bool ReadElements(const TomlTable& root, const TermsContext& context,
                   StructuralDynamics* dynamics) {
   std::set<std::string> seen;
   for (TomlTable& table : root.Tables("element")) {
-    if (!table.AllowKeys(
-            {"name", "type", "file", "between", "parameters", "optional"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     if (!seen.insert(table.RequiredString("name")).second) {

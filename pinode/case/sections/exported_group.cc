@@ -89,7 +89,7 @@ bool ReadSource(const TomlTable& table, const std::string& key,
   std::string file;
   if (value->IsTable()) {
     const TomlTable inner = table.Table(key, table.name() + " " + key);
-    if (!inner.AllowKeys({"file", "variable", "occurrence"})) return false;
+    if (!inner.AllowKeys()) return false;
     file = inner.RequiredString("file");
     source->variable = inner.String("variable");
     source->occurrence = inner.Integer("occurrence", 0, 1, 1000000000);

@@ -118,9 +118,7 @@ class ForceScalesReader {
   bool ReadScale(const InputSection& input) {
     const TomlTable& table = input.signal.table;
     const TomlTable keys = table.Table("scale", table.name() + ", scale");
-    std::vector<std::string> known = ParameterKeys();
-    known.push_back("name");
-    if (!table.errors()->ok() || !keys.AllowKeys(known)) return false;
+    if (!table.errors()->ok() || !keys.AllowKeys()) return false;
     if (keys.Has("name")) {
       const std::string name = keys.RequiredString("name");
       if (!table.errors()->ok() || !CheckName(keys, "name", name)) return false;

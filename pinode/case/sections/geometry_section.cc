@@ -93,7 +93,7 @@ class GeometryReader {
         geometry_(placed->geometry) {}
 
   bool Read() {
-    if (!table_.AllowKeys({"file", "nodes", "line", "dofs", "groups"})) {
+    if (!table_.AllowKeys()) {
       return false;
     }
     if (table_.Has("file") == table_.Has("nodes")) {
@@ -145,7 +145,7 @@ class GeometryReader {
 
   bool ReadLines() {
     for (const TomlTable& line : table_.Tables("line", "geometry")) {
-      if (!line.AllowKeys({"nodes", "set"})) return false;
+      if (!line.AllowKeys()) return false;
       std::vector<int> nodes;
       for (const std::string& name : line.Strings("nodes")) {
         const auto& names = geometry_.node_names;

@@ -204,8 +204,7 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
                  GroupCurve* curve) {
   if (!table.Has("follows")) return true;
   const TomlTable follows = table.Table("follows", table.name() + " follows");
-  if (!follows.AllowKeys({"covariate", "time", "reference", "knots",
-                          "smoothness", "differences", "values", "free"})) {
+  if (!follows.AllowKeys()) {
     return false;
   }
   for (const char* key : {"smoothness", "differences", "values", "free"}) {
@@ -257,12 +256,7 @@ bool ReadFollows(const TomlTable& table, const UnitSystem& units,
 bool ReadGroups(const TomlTable& root, const TermsContext& context,
                 StructuralDynamics* dynamics) {
   for (TomlTable& table : root.Tables("group")) {
-    std::vector<std::string> keys = {
-        "name",       "adds_to", "between", "matrix",          "storey",
-        "scale",      "follows", "present", "proportional_to", "changed_export",
-        "set_export", "factor"};
-    keys.insert(keys.end(), ParameterKeys().begin(), ParameterKeys().end());
-    if (!table.AllowKeys(keys)) return false;
+    if (!table.AllowKeys()) return false;
     GroupTerm term;
     term.group.name = table.RequiredString("name");
     if (!root.errors()->ok()) return false;

@@ -46,8 +46,7 @@ class InputReader {
   bool ReadGrounds() {
     for (TomlTable& table : table_.Tables("ground", "record")) {
       table.set_name(table_.name() + ", ground");
-      if (!table.AllowKeys({"direction", "column", "unit", "file", "scale",
-                            "remove_offset", "sigma", "sigma_percent"})) {
+      if (!table.AllowKeys()) {
         return false;
       }
       InputSection input(table);
@@ -80,8 +79,7 @@ class InputReader {
   bool ReadForces() {
     for (TomlTable& table : table_.Tables("force", "record")) {
       table.set_name(table_.name() + ", force");
-      if (!table.AllowKeys({"dof", "column", "unit", "file", "scale",
-                            "remove_offset", "sigma", "sigma_percent"})) {
+      if (!table.AllowKeys()) {
         return false;
       }
       InputSection input(table);
@@ -108,8 +106,7 @@ class InputReader {
   bool ReadMotions() {
     for (TomlTable& table : table_.Tables("motion", "record")) {
       table.set_name(table_.name() + ", motion");
-      if (!table.AllowKeys({"dof", "quantity", "column", "unit", "file",
-                            "scale", "remove_offset"})) {
+      if (!table.AllowKeys()) {
         return false;
       }
       InputSection input(table);
@@ -154,7 +151,7 @@ class InputReader {
   bool ReadCovariates() {
     for (TomlTable& table : table_.Tables("covariate", "record")) {
       table.set_name(table_.name() + ", covariate");
-      if (!table.AllowKeys({"name", "column", "file", "value"})) return false;
+      if (!table.AllowKeys()) return false;
       InputSection input(table);
       input.spec.kind = InputSpec::Kind::kCovariate;
       input.spec.name = table.RequiredString("name");

@@ -46,10 +46,8 @@ bool ReadTerm(const TomlTable& table, const TomlValue& value,
                                            term.acts_as, units);
   if (!value.IsTable()) return true;
   const TomlTable keys(value, table.name() + ", term '" + text + "'",
-                       table.errors());
-  std::vector<std::string> known = ParameterKeys();
-  known.insert(known.begin(), "basis");
-  return keys.AllowKeys(known) && ReadParameterKeys(keys, 1.0, parameter);
+                       table.errors(), "library.terms");
+  return keys.AllowKeys() && ReadParameterKeys(keys, 1.0, parameter);
 }
 
 // Reads `inputs`, the features of *term; *names as the functions write them.
@@ -136,8 +134,7 @@ bool ReadLibraries(const TomlTable& root, const TermsContext& context,
   std::set<std::string> seen;
   for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
   for (TomlTable& table : root.Tables("library")) {
-    if (!table.AllowKeys(
-            {"name", "inputs", "output", "acts_as", "terms", "select"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     LawTerm term;

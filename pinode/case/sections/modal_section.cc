@@ -275,7 +275,7 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
                const std::vector<InputSpec>& inputs, bool beside_records,
                ModalData* modal) {
   const TomlTable options = root.Table("modal", "[modal]");
-  if (!options.AllowKeys({"form", "covariates"})) return false;
+  if (!options.AllowKeys()) return false;
   if (root.Has("modal") && !root.Has("mode")) {
     return root.Fail("modal", "[modal] needs at least one [[mode]]");
   }
@@ -296,10 +296,7 @@ bool ReadModes(const TomlTable& root, const UnitSystem& units,
   }
   std::set<std::string> seen;
   for (TomlTable& table : root.Tables("mode")) {
-    if (!table.AllowKeys({"name", "frequency", "frequency_sigma",
-                          "frequency_weight", "shape", "shape_row",
-                          "shape_sigma", "shape_weight", "shape_covariance",
-                          "frequency_shape_covariance", "residual_weight"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     MeasuredMode mode;

@@ -269,10 +269,7 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
   std::set<std::string> seen;
   for (const LawTerm& law : dynamics->laws()) seen.insert(law.name);
   for (TomlTable& table : root.Tables("network")) {
-    if (!table.AllowKeys({"name", "inputs", "input_scale", "outputs",
-                          "output_scale", "acts_as", "layers", "activation",
-                          "bias", "skip", "gauge", "decay", "seed", "weights",
-                          "free", "truth"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     NetworkTerm term;

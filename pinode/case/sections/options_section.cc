@@ -12,10 +12,7 @@ namespace pinode {
 
 bool ReadOptions(const TomlTable& root, IdentificationOptions* options) {
   const TomlTable table = root.Table("options", "[options]");
-  if (!table.AllowKeys({"shooting", "segment_samples", "max_iterations",
-                        "robust_loss", "robust_scale", "derivatives",
-                        "covariance", "threads", "multistart", "seed",
-                        "tolerance"})) {
+  if (!table.AllowKeys()) {
     return false;
   }
   if (table.Choice("shooting", {"multiple", "single"}, "multiple") ==
@@ -57,7 +54,7 @@ bool ReadProfiles(const TomlTable& root, const IdentificationProblem& problem,
   parameters->reset();
   if (!root.Has("profiles")) return true;
   const TomlTable table = root.Table("profiles", "[profiles]");
-  if (!table.AllowKeys({"parameters"})) return false;
+  if (!table.AllowKeys()) return false;
   parameters->emplace();
   if (!table.Has("parameters")) return table.errors()->ok();
   const ParameterLayout layout(problem);
@@ -80,7 +77,7 @@ bool ReadProfiles(const TomlTable& root, const IdentificationProblem& problem,
 bool ReadSimulate(const TomlTable& root, double* noise_percent,
                   bool* noise_is_sigma, std::uint64_t* seed) {
   const TomlTable table = root.Table("simulate", "[simulate]");
-  if (!table.AllowKeys({"noise", "noise_percent", "seed"})) return false;
+  if (!table.AllowKeys()) return false;
   *noise_is_sigma = table.Has("noise");
   table.Choice("noise", {"sigma"}, "sigma");
   if (*noise_is_sigma && table.Has("noise_percent")) {

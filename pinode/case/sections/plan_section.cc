@@ -70,8 +70,7 @@ class PlanReader {
         request_(request) {}
 
   bool Read() {
-    if (!table_.AllowKeys({"criterion", "parameters", "keep_own", "excite",
-                           "durations", "candidate"})) {
+    if (!table_.AllowKeys()) {
       return false;
     }
     using Criterion = SensorPlanOptions::Criterion;
@@ -155,8 +154,7 @@ class PlanReader {
   }
 
   bool ReadCandidate(const TomlTable& table) {
-    if (!table.AllowKeys(
-            {"quantity", "dofs", "sigma", "unit", "sigma_percent"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     Quantity quantity = Quantity::kAbsoluteAcceleration;

@@ -14,38 +14,6 @@
 namespace pinode {
 namespace {
 
-const std::vector<std::string>& RecordKeys() {
-  static const auto& keys = *new std::vector<std::string>{"name",
-                                                          "role",
-                                                          "file",
-                                                          "time",
-                                                          "sampling_rate_hz",
-                                                          "time_unit",
-                                                          "time_format",
-                                                          "header_lines",
-                                                          "delimiter",
-                                                          "decimal",
-                                                          "encoding",
-                                                          "duration",
-                                                          "window",
-                                                          "resample_hz",
-                                                          "interpolation",
-                                                          "periodic",
-                                                          "start",
-                                                          "start_samples",
-                                                          "substeps",
-                                                          "integrator",
-                                                          "ground",
-                                                          "force",
-                                                          "motion",
-                                                          "covariate",
-                                                          "channel",
-                                                          "filter",
-                                                          "excitation",
-                                                          "ambient"};
-  return keys;
-}
-
 class RecordReader {
  public:
   RecordReader(const UnitSystem& units, const StructuralModel& model,
@@ -203,11 +171,7 @@ class RecordReader {
   bool ReadChannels() {
     std::set<std::string> seen;
     for (TomlTable& table : table_.Tables("channel", "record")) {
-      if (!table.AllowKeys({"name", "column", "file", "quantity", "dof",
-                            "combination", "gauge_length", "distance", "unit",
-                            "sign", "scale", "sigma", "sigma_percent",
-                            "remove_offset", "gain", "offset", "delay",
-                            "fit"})) {
+      if (!table.AllowKeys()) {
         return false;
       }
       ChannelSection channel(table);
@@ -362,8 +326,7 @@ class RecordReader {
   bool ReadFilter() {
     if (!table_.Has("filter")) return true;
     const TomlTable table = table_.Table("filter", table_.name() + ", filter");
-    if (!table_.errors()->ok() ||
-        !table.AllowKeys({"type", "corner_hz", "order"})) {
+    if (!table_.errors()->ok() || !table.AllowKeys()) {
       return false;
     }
     if (!table.RequireKey("type", "one of lowpass, highpass, bandpass") ||
@@ -419,6 +382,7 @@ class RecordReader {
                                   "excitation = \"ambient\"");
     }
     for (const InputSection& input : section_->inputs) {
+      if (input.spec.kind == InputSpec::Kind::kCovariate) continue;
       const TomlTable& table = input.signal.table;
       for (const char* key : {"sigma", "sigma_percent"}) {
         if (!table.Has(key)) continue;
@@ -509,7 +473,7 @@ bool ReadRecordSections(const TomlTable& root, const UnitSystem& units,
   }
   std::set<std::string> seen;
   for (const TomlTable& table : root.Tables("record")) {
-    if (!table.AllowKeys(RecordKeys())) return false;
+    if (!table.AllowKeys()) return false;
     RecordSection section(table);
     if (!RecordReader(units, model, purpose, &section).Read()) return false;
     if (!seen.insert(section.name).second) {

@@ -54,7 +54,7 @@ bool ReadReferenceCurves(const TomlTable& root,
                          const StructuralDynamics& dynamics,
                          std::vector<ReferenceCurve>* curves) {
   for (const TomlTable& table : root.Tables("reference_curve")) {
-    if (!table.AllowKeys({"term", "name", "file", "deformation", "force"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     ReferenceCurve curve;

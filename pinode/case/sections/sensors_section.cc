@@ -142,9 +142,7 @@ class SensorsReader {
     const TomlTable& table = channel.signal.table;
     if (!table.Has(key)) return true;
     const TomlTable keys = table.Table(key, table.name() + ", " + key);
-    std::vector<std::string> known_keys = ParameterKeys();
-    if (std::string(key) == "offset") known_keys.push_back("shared");
-    if (!table.errors()->ok() || !keys.AllowKeys(known_keys)) return false;
+    if (!table.errors()->ok() || !keys.AllowKeys()) return false;
     if (std::string(key) == "gain" && parameter.unit != "1" &&
         !keys.RequireKey("initial",
                          "the nominal sensitivity, in " + parameter.unit)) {

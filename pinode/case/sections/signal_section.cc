@@ -140,6 +140,9 @@ bool ReadUnit(const UnitSystem& units, const TomlTable& record,
     return table.Fail("unit", error);
   }
   signal->factor = factor * signal->scale * signal->sign;
+  signal->remove_offset = table.Boolean("remove_offset", false);
+  // Prescribed motion is taken as exact.
+  if (!table.Takes("sigma")) return table.errors()->ok();
   if (table.Has("sigma") && table.Has("sigma_percent")) {
     return table.Fail(
         "sigma",
@@ -147,7 +150,6 @@ bool ReadUnit(const UnitSystem& units, const TomlTable& record,
   }
   signal->sigma = factor * table.NonNegativeNumber("sigma", 0.0);
   signal->sigma_percent = table.NonNegativeNumber("sigma_percent", 0.0);
-  signal->remove_offset = table.Boolean("remove_offset", false);
   return table.errors()->ok();
 }
 

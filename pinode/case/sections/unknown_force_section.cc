@@ -185,7 +185,7 @@ class UnknownForceReader {
     const std::vector<std::string> names = {"start", "duration", "amplitude"};
     const TomlTable parameters =
         table_.Table("parameters", table_.name() + ", parameters");
-    if (!table_.errors()->ok() || !parameters.AllowKeys(names)) return false;
+    if (!table_.errors()->ok() || !parameters.AllowKeys()) return false;
     for (const std::string& name : names) {
       const bool is_force = name == "amplitude";
       const double factor = is_force ? 1.0 : seconds_;
@@ -209,7 +209,7 @@ class UnknownForceReader {
       } else {
         const TomlTable keys =
             parameters.Table(name, table_.name() + ", parameter " + name);
-        if (!table_.errors()->ok() || !keys.AllowKeys(ParameterKeys()) ||
+        if (!table_.errors()->ok() || !keys.AllowKeys() ||
             !ReadParameterKeys(keys, factor, &parameter)) {
           return false;
         }
@@ -306,10 +306,7 @@ bool ReadUnknownForces(const TomlTable& root, const TermsContext& context,
                        StructuralDynamics* dynamics) {
   std::set<std::string> seen;
   for (TomlTable& table : root.Tables("unknown_force")) {
-    if (!table.AllowKeys({"name", "dof", "record", "shape", "window",
-                          "knot_spacing", "scale", "neighbourhood",
-                          "relaxation", "band_hz", "values", "free",
-                          "parameters", "truth"})) {
+    if (!table.AllowKeys()) {
       return false;
     }
     const std::string name = table.RequiredString("name");
@@ -335,7 +332,9 @@ bool ReadForceTruths(const TomlTable& root, const UnitSystem& units,
       ForceTruth truth;
       truth.name = table.RequiredString("name");
       const std::string column = table.RequiredString("truth");
-      const std::string record = table.String("record");
+      // A network acts in all records.
+      const std::string record =
+          table.Takes("record") ? table.String("record") : "";
       if (!root.errors()->ok()) return false;
       const auto section = std::find_if(
           sections.begin(), sections.end(), [&](const RecordSection& s) {

@@ -2,12 +2,6 @@
 
 namespace pinode {
 
-bool AllowCaseTables(const TomlTable& root) {
-  return root.AllowKeys(
-      {"title",    "units",           "model",         "group",    "element",
-       "library",  "network",         "unknown_force", "record",   "modal",
-       "mode",     "options",         "simulate",      "discover", "damage",
-       "profiles", "reference_curve", "modes",         "plan",     "geometry"});
-}
+bool AllowCaseTables(const TomlTable& root) { return root.AllowKeys(); }
 
 }  // namespace pinode

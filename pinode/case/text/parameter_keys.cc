@@ -7,12 +7,6 @@
 
 namespace pinode {
 
-const std::vector<std::string>& ParameterKeys() {
-  static const auto& keys = *new std::vector<std::string>{
-      "initial", "lower", "upper", "prior_mean", "prior_sigma", "free"};
-  return keys;
-}
-
 bool ReadParameterKeys(const TomlTable& table, double factor,
                        Parameter* parameter) {
   const double lowest = parameter->lower;

@@ -11,9 +11,6 @@
 
 namespace pinode {
 
-// Returns initial lower upper prior_mean prior_sigma free.
-const std::vector<std::string>& ParameterKeys();
-
 // Overwrites the fields of *parameter that `table` gives. Other fields are
 // unchanged, except that the prior's mean becomes the initial value. Numbers in
 // the file are multiplied by `factor` (not zero; a negative one exchanges the

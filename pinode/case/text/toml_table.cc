@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <mutex>
+#include <utility>
 
 #include "pinode/base/strings.h"
+#include "pinode/case/text/case_keys.h"
 
 namespace pinode {
 namespace {
@@ -12,6 +16,26 @@ const TomlValue& EmptyTable() {
   static const auto& empty = *new TomlValue();
   return empty;
 }
+
+constexpr size_t kMostMistakes = 100;
+
+std::mutex& MistakesMutex() {
+  static auto& mutex = *new std::mutex();
+  return mutex;
+}
+
+std::vector<std::string>& Mistakes() {
+  static auto& mistakes = *new std::vector<std::string>();
+  return mistakes;
+}
+
+bool IsIn(const std::vector<std::string>& texts, const std::string& text) {
+  return std::find(texts.begin(), texts.end(), text) != texts.end();
+}
+
+std::string InQuotes(const std::string& text) { return '"' + text + '"'; }
+
+bool IsQuoted(const std::string& text) { return text.front() == '"'; }
 
 }  // namespace
 
@@ -34,16 +58,30 @@ bool CaseErrors::FailAsIs(const std::string& message) {
   return false;
 }
 
-TomlTable::TomlTable(CaseErrors* errors)
-    : table_(&EmptyTable()), errors_(errors) {}
+TomlTable::TomlTable(CaseErrors* errors, std::string path)
+    : TomlTable(EmptyTable(), "", errors, std::move(path)) {}
 
 TomlTable::TomlTable(const TomlValue& table, std::string name,
-                     CaseErrors* errors)
-    : table_(&table), name_(std::move(name)), errors_(errors) {}
+                     CaseErrors* errors, std::string path)
+    : table_(&table),
+      name_(std::move(name)),
+      path_(std::move(path)),
+      known_(FindCaseTable(path_)),
+      errors_(errors) {}
+
+bool TomlTable::AllowKeys() const {
+  if (known_ != nullptr) return AllowKeys(known_->Names());
+  Mistake("", "a table with listed keys");
+  return true;
+}
+
+bool TomlTable::Takes(const std::string& key) const {
+  return known_ != nullptr && known_->Find(key) != nullptr;
+}
 
 bool TomlTable::AllowKeys(const std::vector<std::string>& known) const {
   for (const auto& [key, value] : table_->entries) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    if (IsIn(known, key)) continue;
     return errors_->Fail(value.line, (name_.empty() ? "" : name_ + ": ") +
                                          "unknown key '" + key + "'" +
                                          NameHint(key, known));
@@ -51,8 +89,60 @@ bool TomlTable::AllowKeys(const std::vector<std::string>& known) const {
   return true;
 }
 
+void TomlTable::Mistake(const std::string& key,
+                        const std::string& message) const {
+  const std::lock_guard<std::mutex> lock(MistakesMutex());
+  if (Mistakes().size() >= kMostMistakes) return;
+  Mistakes().push_back("'" + path_ + "': '" + key + "' is read as " + message);
+}
+
+std::vector<std::string> TakeKeyMistakes() {
+  const std::lock_guard<std::mutex> lock(MistakesMutex());
+  return std::exchange(Mistakes(), {});
+}
+
+const CaseKey* TomlTable::Listed(const std::string& key) const {
+  const CaseKey* listed = known_ == nullptr ? nullptr : known_->Find(key);
+  if (known_ != nullptr && listed == nullptr) Mistake(key, "a key");
+  return listed;
+}
+
+const TomlValue* TomlTable::Find(const std::string& key) const {
+  Listed(key);
+  return table_->Find(key);
+}
+
+const TomlValue* TomlTable::FindAs(const std::vector<std::string>& types,
+                                   const std::string& key,
+                                   const std::string& absent) const {
+  const TomlValue* value = table_->Find(key);
+  const CaseKey* listed = Listed(key);
+  if (listed == nullptr) return value;
+  const std::vector<std::string> possible = TypesOf(*listed);
+  for (const std::string& type : types) {
+    if (!IsIn(possible, type)) Mistake(key, type);
+  }
+  if (value == nullptr && !absent.empty() && HasLiteralDefault(*listed) &&
+      absent != listed->absent) {
+    Mistake(key, absent + " where it is absent");
+  }
+  return value;
+}
+
+std::string TomlTable::PathOf(const std::string& key) const {
+  const std::string path = (path_.empty() ? "" : path_ + ".") + key;
+  const CaseKey* listed = Listed(key);
+  if (listed == nullptr || FindCaseTable(path) != nullptr) return path;
+  const std::vector<std::string> types = TypesOf(*listed);
+  for (const std::string& type : types) {
+    if (FindCaseTable(type) != nullptr) return type;
+  }
+  if (!IsIn(types, "table")) Mistake(key, "a table");
+  return path;
+}
+
 int TomlTable::Line(const std::string& key) const {
-  const TomlValue* value = Find(key);
+  const TomlValue* value = table_->Find(key);
   return value != nullptr && value->line > 0 ? value->line : table_->line;
 }
 
@@ -78,7 +168,12 @@ bool TomlTable::WrongType(const std::string& key, const TomlValue& value,
 
 std::string TomlTable::String(const std::string& key,
                               const std::string& absent) const {
-  const TomlValue* value = Find(key);
+  const CaseKey* listed = Listed(key);
+  // A choice is a text too.
+  const bool is_choice = listed != nullptr && IsQuoted(listed->type);
+  const TomlValue* value = FindAs(
+      is_choice ? std::vector<std::string>{} : std::vector<std::string>{"text"},
+      key, absent.empty() ? "" : InQuotes(absent));
   if (value == nullptr) return absent;
   if (value->type != TomlValue::Type::kString) {
     WrongType(key, *value, "a text in quotes");
@@ -99,11 +194,17 @@ std::string TomlTable::RequiredString(const std::string& key) const {
 std::string TomlTable::Choice(const std::string& key,
                               const std::vector<std::string>& choices,
                               const std::string& absent) const {
-  std::string text = String(key, absent);
-  if (!Has(key) ||
-      std::find(choices.begin(), choices.end(), text) != choices.end()) {
-    return text;
+  const CaseKey* listed = Listed(key);
+  if (listed != nullptr && !IsIn(TypesOf(*listed), "text")) {
+    std::vector<std::string> types;
+    for (const std::string& choice : choices) types.push_back(InQuotes(choice));
+    FindAs(types, key);
+    for (const std::string& type : TypesOf(*listed)) {
+      if (IsQuoted(type) && !IsIn(types, type)) Mistake(key, "never " + type);
+    }
   }
+  std::string text = String(key, absent);
+  if (!Has(key) || IsIn(choices, text)) return text;
   Fail(key, "'" + key + "' is '" + text + "', expected one of " +
                 Join(choices, ", "));
   return absent;
@@ -124,7 +225,7 @@ bool TomlTable::NumberOf(const std::string& key, const TomlValue& value,
 }
 
 double TomlTable::Number(const std::string& key, double absent) const {
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"number"}, key, FormatNumber(absent));
   double number = absent;
   return value != nullptr && NumberOf(key, *value, &number) ? number : absent;
 }
@@ -148,7 +249,7 @@ double TomlTable::NonNegativeNumber(const std::string& key,
 }
 
 double TomlTable::ExtendedNumber(const std::string& key, double absent) const {
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"number"}, key, FormatNumber(absent));
   if (value == nullptr) return absent;
   if (!value->IsNumber() || std::isnan(value->number)) {
     WrongType(key, *value, "a number");
@@ -170,7 +271,8 @@ int64_t TomlTable::LongInteger(const std::string& key, int64_t absent,
 
 int64_t TomlTable::IntegerUpTo(int64_t maximum, const std::string& key,
                                int64_t absent, int64_t minimum) const {
-  const TomlValue* value = Find(key);
+  const TomlValue* value =
+      FindAs({"whole number"}, key, std::to_string(absent));
   if (value == nullptr) return absent;
   if (value->type != TomlValue::Type::kInteger || value->integer < minimum) {
     WrongType(key, *value,
@@ -186,7 +288,8 @@ int64_t TomlTable::IntegerUpTo(int64_t maximum, const std::string& key,
 }
 
 bool TomlTable::Boolean(const std::string& key, bool absent) const {
-  const TomlValue* value = Find(key);
+  const TomlValue* value =
+      FindAs({"true", "false"}, key, absent ? "true" : "false");
   if (value == nullptr) return absent;
   if (value->type != TomlValue::Type::kBoolean) {
     WrongType(key, *value, "true or false");
@@ -197,7 +300,7 @@ bool TomlTable::Boolean(const std::string& key, bool absent) const {
 
 std::vector<std::string> TomlTable::Strings(const std::string& key) const {
   std::vector<std::string> texts;
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"texts"}, key);
   if (value == nullptr) return texts;
   if (value->type != TomlValue::Type::kArray) {
     WrongType(key, *value, "an array of texts");
@@ -216,7 +319,7 @@ std::vector<std::string> TomlTable::Strings(const std::string& key) const {
 
 std::vector<double> TomlTable::Numbers(const std::string& key) const {
   std::vector<double> numbers;
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"numbers"}, key);
   if (value == nullptr) return numbers;
   if (value->type != TomlValue::Type::kArray) {
     WrongType(key, *value, "an array of numbers");
@@ -248,7 +351,7 @@ std::vector<double> TomlTable::Numbers(const std::string& key, int size,
 std::vector<int> TomlTable::Integers(const std::string& key, int minimum,
                                      int maximum) const {
   std::vector<int> numbers;
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"whole numbers"}, key);
   if (value == nullptr) return numbers;
   const std::string expected = "whole numbers from " + std::to_string(minimum) +
                                " to " + std::to_string(maximum);
@@ -270,23 +373,22 @@ std::vector<int> TomlTable::Integers(const std::string& key, int minimum,
 
 TomlTable TomlTable::Table(const std::string& key,
                            const std::string& table_name) const {
+  const std::string path = PathOf(key);
   const TomlValue* value = Find(key);
   if (value == nullptr) {
-    TomlTable absent(errors_);
-    absent.set_name(table_name);
-    return absent;
+    return TomlTable(EmptyTable(), table_name, errors_, path);
   }
   if (!value->IsTable()) {
     WrongType(key, *value, "a table");
-    return TomlTable(errors_);
+    return TomlTable(errors_, path);
   }
-  return TomlTable(*value, table_name, errors_);
+  return TomlTable(*value, table_name, errors_, path);
 }
 
 std::vector<TomlTable> TomlTable::Tables(const std::string& key,
                                          const std::string& prefix) const {
   std::vector<TomlTable> tables;
-  const TomlValue* value = Find(key);
+  const TomlValue* value = FindAs({"tables"}, key);
   if (value == nullptr) return tables;
   const std::string header =
       "[[" + (prefix.empty() ? "" : prefix + ".") + key + "]]";
@@ -294,9 +396,11 @@ std::vector<TomlTable> TomlTable::Tables(const std::string& key,
     WrongType(key, *value, "tables, each under a header " + header);
     return tables;
   }
+  const std::string path = PathOf(key);
   for (const TomlValue& element : value->elements) {
-    tables.emplace_back(
-        element, header + " " + std::to_string(tables.size() + 1), errors_);
+    tables.emplace_back(element,
+                        header + " " + std::to_string(tables.size() + 1),
+                        errors_, path);
   }
   return tables;
 }

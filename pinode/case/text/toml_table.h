@@ -14,6 +14,8 @@
 
 namespace pinode {
 
+struct CaseKey;
+struct CaseTable;
 class SharedTables;
 
 // Largest number of a case file. Squares and products of three stay finite.
@@ -57,13 +59,18 @@ class CaseErrors {
 // Table of a case file. Every getter returns the default for an absent key. For
 // a value of the wrong type it reports `file:line: [table] key is ..., expected
 // ...` and returns the default as well.
+//
+// A table knows its path in the case. If CaseTables() has the path, readers ask
+// only for keys that it lists, as one of their types and with their defaults. A
+// reader that does otherwise is noted for TakeKeyMistakes().
 class TomlTable {
  public:
-  // Makes an absent table, without keys.
-  explicit TomlTable(CaseErrors* errors);
+  // Makes an absent table at `path`, without keys.
+  explicit TomlTable(CaseErrors* errors, std::string path = "");
   // Makes a table that messages call `name`, such as "[units]" or "[[group]]
-  // 'k1'".
-  TomlTable(const TomlValue& table, std::string name, CaseErrors* errors);
+  // 'k1'". `path` is that of CaseTable; "": the root.
+  TomlTable(const TomlValue& table, std::string name, CaseErrors* errors,
+            std::string path = "");
 
   const std::string& name() const { return name_; }
   void set_name(std::string name) { name_ = std::move(name); }
@@ -72,13 +79,16 @@ class TomlTable {
     return table_->entries;
   }
 
-  // Refuses every key that is not listed, and suggests the nearest listed key.
+  // Refuses every key that CaseTables() does not list for this table, and
+  // suggests the nearest one.
+  bool AllowKeys() const;
+  // Returns whether CaseTables() lists the key for this table.
+  bool Takes(const std::string& key) const;
+  // Refuses every key that is not in `known`.
   bool AllowKeys(const std::vector<std::string>& known) const;
 
   bool Has(const std::string& key) const { return Find(key) != nullptr; }
-  const TomlValue* Find(const std::string& key) const {
-    return table_->Find(key);
-  }
+  const TomlValue* Find(const std::string& key) const;
   // Line of the key, or of the table if the key is absent.
   int Line(const std::string& key) const;
   int line() const { return table_->line; }
@@ -134,11 +144,29 @@ class TomlTable {
                  const std::string& expected) const;
   bool NumberOf(const std::string& key, const TomlValue& value,
                 double* number) const;
+  // Returns the key as CaseTables() has it, or nullptr. Notes a mistake if it
+  // should be there and is not.
+  const CaseKey* Listed(const std::string& key) const;
+  // Finds a value that is read as all of `types`. A key that is absent must
+  // have the default `absent`, as a case writes it, if CaseTables() has a value
+  // there.
+  const TomlValue* FindAs(const std::vector<std::string>& types,
+                          const std::string& key,
+                          const std::string& absent = "") const;
+  void Mistake(const std::string& key, const std::string& message) const;
+  // Returns the path of a table under the key.
+  std::string PathOf(const std::string& key) const;
 
   const TomlValue* table_;
   std::string name_;
+  std::string path_;
+  const CaseTable* known_;
   CaseErrors* errors_;
 };
+
+// Returns reads since the last call that differ from CaseTables(), at most a
+// hundred. They are mistakes in pinode, for tests to find.
+std::vector<std::string> TakeKeyMistakes();
 
 Vector ToVector(const std::vector<double>& values);
 
