@@ -66,9 +66,14 @@ ln -s -- "$root/data" data
 for program in "$scratch/build/"{consumer,consumer_of_*,readme*,library_readme*}; do
   if [[ -f $program && -x $program ]]; then
     echo "Running ${program##*/}"
-    "$program"
+    "$program" | tee "printed_by_${program##*/}.txt"
   fi
 done
+# The results that stand beside the two programs.
+"$root/tests/printed_results_test.py" "$root" --program=readme \
+  printed_by_readme.txt README.md
+"$root/tests/printed_results_test.py" "$root" --program=library_readme \
+  printed_by_library_readme.txt pinode/README.md
 for file in frame/result.json frame/report.html; do
   if [[ ! -s $file ]]; then
     echo "the program of the library's README has left no $file"
