@@ -435,6 +435,13 @@ def lvm_files(folder):
           lvm_header("\t", ",", "One") + lvm_segment("\t", ",", "One"))
     write(folder, "comma.lvm",
           lvm_header(",", ".", "One") + lvm_segment(",", ".", "One"))
+    # A card samples the second channel 14 us after the first; a note behind the
+    # first row.
+    skew = lvm_segment("\t", ".", "One").replace(
+        "\t12:00:00.250000\t\r\n", "\t12:00:00.250014\t\r\n")
+    skew = skew.replace("\t1.682942\r\n", "\t1.682942\tStandby\r\n", 1)
+    assert "250014" in skew and "Standby" in skew
+    write(folder, "skew.lvm", lvm_header("\t", ".", "One") + skew)
     # The second segment goes on by X0; the third by its time, after 5 samples
     # that are missing.
     write(folder, "segments.lvm",

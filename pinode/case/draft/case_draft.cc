@@ -286,13 +286,15 @@ std::string RecordName(const std::string& path,
 
 // Says what the first mode tells of the signs of sensors. That of a deck may
 // move them either way.
-void AddSignRemarks(const DraftRecord& record, const FirstMode& mode,
+void AddSignRemarks(const FirstMode& mode, DraftRecord* drafted,
                     std::vector<std::string>* remarks) {
+  DraftRecord& record = *drafted;
   if (record.floors.front().floor == 0) return;
   const std::string hz = FormatNumber(mode.hz, 3) + " Hz";
   for (size_t c = 0; c < record.floors.size(); ++c) {
     if (!mode.is_reversed[c]) continue;
-    const DraftSignal& signal = record.floors[c];
+    DraftSignal& signal = record.floors[c];
+    signal.moves_against = true;
     remarks->push_back(
         record.file + ": sensor " + Quote(signal.column) +
         " moves opposite to the other floors in the first mode (" + hz +
@@ -302,6 +304,7 @@ void AddSignRemarks(const DraftRecord& record, const FirstMode& mode,
         " in --sensors.");
   }
   if (mode.is_base_reversed) {
+    record.base[0].moves_against = true;
     remarks->push_back(
         record.file + ": the floors move opposite to the sensor of the base, " +
         Quote(record.base[0].column) + " in the first mode (" + hz +
@@ -383,11 +386,14 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
     if (!DraftRecordOf(logs[i], request, *draft, &record, question, error)) {
       return false;
     }
+    std::vector<Vector> samples;
     for (const auto* loads : {&record.base, &record.forces}) {
       for (const DraftSignal& signal : *loads) {
         if (!CheckComplete(logs[i], signal.column, error)) return false;
+        samples.push_back(logs[i].Find(signal.column)->samples);
       }
     }
+    record.interpolation = FindLoadInterpolation(samples);
     record.name = RecordName(logs[i].path, draft->records);
     // Unmeasured loads cannot be predicted from.
     const bool is_ambient = record.base.empty() && record.forces.empty();
@@ -404,7 +410,7 @@ bool DraftRecords(const DraftRequest& request, const std::vector<LogFile>& logs,
       draft->first_mode_hz = mode.hz;
     }
     AddAssumptions(logs[i], record, &draft->assumptions);
-    AddSignRemarks(record, mode, &draft->remarks);
+    AddSignRemarks(mode, &record, &draft->remarks);
     draft->records.push_back(record);
   }
   return true;

@@ -10,6 +10,7 @@
 
 #include "pinode/base/units.h"
 #include "pinode/case/draft/deck_draft.h"
+#include "pinode/case/draft/load_interpolation.h"
 #include "pinode/case/draft/log_file.h"
 
 namespace pinode {
@@ -58,6 +59,8 @@ struct DraftSignal {
   std::string dof;              // "u3"; of the base its direction
   bool is_by_name = false;      // place found by the column's name
   bool is_upside_down = false;
+  // True if it moves against most others in the first mode.
+  bool moves_against = false;
   bool remove_offset = false;
 };
 
@@ -70,8 +73,9 @@ struct DraftRecord {
   double duration = 0.0;  // s
   std::string time_column;
   std::string time_unit;
-  double sampling_rate_hz = 0.0;  // without a time column
-  std::vector<DraftSignal> base;  // none or one
+  double sampling_rate_hz = 0.0;    // without a time column
+  LoadInterpolation interpolation;  // of base and forces
+  std::vector<DraftSignal> base;    // none or one
   std::vector<DraftSignal> forces;
   std::vector<DraftSignal> floors;  // or other places of sensors
 };

@@ -158,6 +158,8 @@ TEST_F(CaseDraftTest, SensorUpsideDownIsSaidAndNotTurned) {
   request_.logs = {folder_.Write("turned.csv", TwoStoreys(1.0, 0.0, true))};
   // Neither of two sensors is in the majority.
   EXPECT_THAT(DraftOrFail()[0].remarks, IsEmpty());
+  EXPECT_EQ(CaseDraftText(DraftOrFail()[0], "").find("# sign"),
+            std::string::npos);
   request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=1,Dach=-2";
   const CaseDraft draft = DraftOrFail()[0];
   EXPECT_THAT(draft.remarks, IsEmpty());
@@ -166,8 +168,23 @@ TEST_F(CaseDraftTest, SensorUpsideDownIsSaidAndNotTurned) {
               1e-12);
   // Both turned: the base is against all.
   request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=-1,Dach=2";
-  EXPECT_THAT(DraftOrFail()[0].remarks,
+  const CaseDraft turned = DraftOrFail()[0];
+  EXPECT_THAT(turned.remarks,
               Contains(HasSubstr("opposite to the sensor of the base")));
+  EXPECT_THAT(CaseDraftText(turned, ""),
+              HasSubstr("  # sign    = -1                        # moves "
+                        "against the others in the first mode: upside down?"));
+}
+
+TEST_F(CaseDraftTest, InterpolationFollowsTheLoad) {
+  // RMS over the lines w of the load: 1 - cos(w), and that of the cubic.
+  EXPECT_THAT(CaseDraftText(DraftOrFail()[0], ""),
+              HasSubstr("interpolation = \"cubic\"                 # samples "
+                        "left out: cubic misses 1.7 %, linear 8.5 %"));
+  // Lines up to nine tenths of half the sampling rate.
+  request_.logs = {folder_.Write("fast.csv", TwoStoreys(4.7))};
+  EXPECT_THAT(CaseDraftText(DraftOrFail()[0], ""),
+              HasSubstr("interpolation = \"linear\""));
 }
 
 TEST_F(CaseDraftTest, OffsetsAndRecordsThatBeginInMotion) {

@@ -212,9 +212,29 @@ void AddSignal(const DraftSignal& signal, std::string* out) {
   if (signal.is_upside_down) {
     AppendLine("  sign      = -1", "the sensor is upside down", out);
   }
+  if (signal.moves_against) {
+    AppendLine(
+        signal.is_upside_down ? "  # without sign = -1?" : "  # sign    = -1",
+        "moves against the others in the first mode: upside down?", out);
+  }
   if (signal.remove_offset) {
     AppendLine("  remove_offset = true", "the mean is not zero", out);
   }
+}
+
+// Adds the interpolation of the load between samples, with its reason.
+void AppendInterpolation(const LoadInterpolation& found, std::string* out) {
+  const auto percent = [](double error) {
+    return FormatNumber(100.0 * error, 2) + " %";
+  };
+  const std::string errors = found.linear_error > 0.0
+                                 ? "samples left out: cubic misses " +
+                                       percent(found.cubic_error) +
+                                       ", linear " + percent(found.linear_error)
+                                 : "of the load between samples";
+  AppendLine(std::string("interpolation = ") +
+                 (found.is_cubic ? "\"cubic\"" : "\"linear\""),
+             errors, out);
 }
 
 void AddRecord(const DraftRecord& record, const std::string& case_path,
@@ -250,7 +270,7 @@ void AddRecord(const DraftRecord& record, const std::string& case_path,
       AppendLine("start = \"free\"", "the record begins in motion: estimated",
                  out);
     }
-    AppendLine("interpolation = \"cubic\"", "of the load between samples", out);
+    AppendInterpolation(record.interpolation, out);
   }
   for (const DraftSignal& signal : record.base) {
     *out += "\n  [[record.ground]]\n";

@@ -443,6 +443,16 @@ TEST(LoggerTableTest, LvmInEveryForm) {
   EXPECT_NEAR(table.values(39, 0) - table.values(0, 0), 0.39, 1e-12);
 }
 
+TEST(LoggerTableTest, LvmOfACardThatSamplesInTurns) {
+  const Table table = ReadSample("lvm/skew.lvm");
+  EXPECT_THAT(table.columns, ElementsAre("t", "a1", "a2"));
+  ExpectSeries(table, {0, 1}, 1.0, 0.6e-6);
+  ExpectStart(table, kStart);
+  EXPECT_THAT(table.reading,
+              HasSubstr("start times of the channels differ by up to 1.4e-05 s,"
+                        " that of the first one is used"));
+}
+
 TEST(LoggerTableTest, LvmSegments) {
   const Table table = ReadSample("lvm/segments.lvm");
   ASSERT_EQ(table.num_rows(), 40);

@@ -21,6 +21,10 @@ constexpr std::string_view kTitle = "LabVIEW Measurement";
 // a fraction of the step.
 constexpr double kLargestSegmentJitter = 0.1;
 
+// Largest difference of the starts of channels with one X column, as a fraction
+// of the step, up to which they are samples of one time.
+constexpr double kLargestSkew = 0.5;
+
 // Rows of a header by their first cell.
 using HeaderRows = std::vector<std::vector<std::string>>;
 
@@ -77,6 +81,11 @@ class LvmParser {
     if (gaps_ > 0.0) {
       file_.remarks.push_back("segments are up to " + FormatNumber(gaps_, 4) +
                               " s apart");
+    }
+    if (skew_ > 0.0) {
+      file_.remarks.push_back("start times of the channels differ by up to " +
+                              FormatNumber(skew_, 2) +
+                              " s, that of the first one is used");
     }
     file_.format = "LVM";
     file_.time_names = {"X_Value"};
@@ -171,6 +180,7 @@ class LvmParser {
       if (!ReadPart(rows, &part, error)) return false;
       parts.push_back(std::move(part));
     }
+    if (!is_multi_) JoinStarts(&parts);
     if (!ReadValues(&parts, error)) return false;
     return file_.channels.empty() ? TakeFirst(rows, names, &parts, error)
                                   : TakeNext(names, &parts, error);
@@ -209,6 +219,27 @@ class LvmParser {
     }
     part->date = ParseDate(date, time);
     return true;
+  }
+
+  // Gives the channels of one X column the start of the first one. Cards that
+  // sample one channel after the other state starts that are microseconds
+  // apart.
+  void JoinStarts(std::vector<SegmentPart>* parts) {
+    const SegmentPart& first = parts->front();
+    double largest = 0.0;
+    for (const SegmentPart& part : *parts) {
+      const double later =
+          static_cast<double>(part.date.seconds - first.date.seconds) +
+          part.date.fraction - first.date.fraction;
+      if (!part.date.is_known || !first.date.is_known || part.x0 != first.x0 ||
+          part.step != first.step ||
+          std::abs(later) > kLargestSkew * part.step) {
+        return;
+      }
+      largest = std::max(largest, std::abs(later));
+    }
+    for (SegmentPart& part : *parts) part.date = first.date;
+    skew_ = std::max(skew_, largest);
   }
 
   // Parses "2024/03/01" and "12:00:00,0051".
@@ -348,6 +379,7 @@ class LvmParser {
   std::vector<std::string> names_;
   std::vector<SegmentPart> first_;  // without values
   std::vector<double> next_x0_;
+  double skew_ = 0.0;  // s
   double gaps_ = 0.0;
 };
 

@@ -17,6 +17,9 @@ namespace pinode {
 // other where X0 goes on, or else by date and time, with missing samples
 // between them.
 //
+// Channels of one X column whose starts differ by less than half a step, as
+// those of cards that sample one after the other, get the start of the first.
+//
 // The time is called "t" or "X_Value". Refuses with `path:line: ...`.
 // Source: National Instruments, "Specification for the LabVIEW Measurement
 // File (.lvm)".
