@@ -164,6 +164,7 @@ int Main(int argc, char** argv) {
     if (seconds < 0.0) return 1;
     std::printf("%-28s %8.0f %8.2f %8.0f %8.0f\n", file.title, megabytes,
                 seconds, megabytes / seconds, peak);
+    std::fflush(stdout);
   }
   return 0;
 }
