@@ -61,6 +61,9 @@ bool NumberRow::Parse(std::string_view line, double* values,
   const char* at = line.data();
   const char* end = at + line.size();
   if (at != end && end[-1] == '\r') --end;
+  // A comment, even if its first cell would be passed over.
+  const size_t begin = line.find_first_not_of(" \t");
+  if (begin != std::string_view::npos && line[begin] == '#') return false;
   for (size_t cell = 0; cell < columns_.size(); ++cell) {
     if (cell > 0) {
       if (delimiter_ == ' ') {

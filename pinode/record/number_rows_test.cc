@@ -73,6 +73,10 @@ TEST(NumberRowsTest, Rows) {
         "#1;x;2", "\"1\";x;2", "1;x;2 3", "nan;x;2"}) {
     EXPECT_FALSE(row.Parse(other, values.data(), 2)) << other;
   }
+  // A row that is commented out is none, though its first cell is not wanted.
+  EXPECT_FALSE(NumberRow(',', '.', {-1, 0}).Parse("#1,2", values.data(), 2));
+  EXPECT_FALSE(NumberRow(',', '.', {-1, 0}).Parse(" # 1,2", values.data(), 2));
+  EXPECT_TRUE(NumberRow(',', '.', {-1, 0}).Parse("a #1,2", values.data(), 2));
   const NumberRow blanks(' ', '.', {0, -1, 1});
   ASSERT_TRUE(blanks.Parse("  4  abc\t-5.5  ", values.data(), 1));
   EXPECT_EQ(values[0], 4.0);
