@@ -35,6 +35,17 @@ Matrix Numbers(int rows, int cols, const std::vector<double>& values) {
   return result;
 }
 
+TEST(CsvTableTest, RowsThatAreCommentedOutAreLeftOut) {
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseCsvTable("t,a1,a2\n0.00,1.5,2\n#0.01,7,7\n0.02,2.5,3\n",
+                            "x.csv", {"a2"}, &table, &error))
+      << error;
+  ASSERT_EQ(table.num_rows(), 2);
+  EXPECT_EQ(table.values(1, 0), 3.0);
+  EXPECT_EQ(table.line_numbers[1], 4);
+}
+
 TEST(CsvTableTest, ReadsWhatLoggersWrite) {
   const Matrix expected = Numbers(2, 3, {0, 1.5, -2, 0.01, 1e-3, 3});
   for (const char* text :
