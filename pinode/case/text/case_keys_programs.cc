@@ -54,7 +54,8 @@ CaseTable ModesKeys() {
       {
           {"lowest_hz", "number", "Hz", "50 cycles in the record",
            "Modes are looked for from here."},
-          {"highest_hz", "number", "Hz", "0.95 of half the sampling rate",
+          {"highest_hz", "number", "Hz",
+           "0.95 of half the sampling rate, 0.85 with a measured load",
            "Modes are looked for up to here."},
           {"references", "texts", "DOFs of channels, else names",
            "all; those that all records have",
