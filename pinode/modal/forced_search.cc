@@ -78,7 +78,6 @@ void ForcedSearch::Take(const RecordAtRate& level, const AnalysedBand& band,
     entry.sigma = cluster.frequency_sigma;
     entry.mode = MakeMode(record_, level.scales, level.step, cluster,
                           band.max_order, window_seconds);
-    modes_.MarkHarmonic(level, cluster.mean, &entry.mode);
     candidates_.push_back(std::move(candidate));
   }
 }
@@ -86,9 +85,13 @@ void ForcedSearch::Take(const RecordAtRate& level, const AnalysedBand& band,
 void ForcedSearch::Fit(double lowest_hz) {
   MergeCandidates();
   if (FitPoles(lowest_hz)) return;
-  for (Candidate& candidate : candidates_) {
-    modes_.Add(std::move(candidate.entry));
-  }
+  for (const Candidate& candidate : candidates_) AddUnfitted(candidate);
+}
+
+void ForcedSearch::AddUnfitted(const Candidate& candidate) {
+  ModeList::Entry entry = candidate.entry;
+  modes_.MarkHarmonic(*level_, candidate.cluster.mean, &entry.mode);
+  modes_.Add(std::move(entry));
 }
 
 // Keeps the most certain of those that two rates found.
@@ -145,7 +148,7 @@ bool ForcedSearch::FitPoles(double lowest_hz) {
   // Loads that are not measured move the structure as much as a fit of measured
   // ones allows for at few lines: the fit's poles then follow them.
   if (found.has_peak) {
-    for (const size_t kept : found.kept) modes_.Add(candidates_[kept].entry);
+    for (const size_t kept : found.kept) AddUnfitted(candidates_[kept]);
     return true;
   }
   const std::vector<SubspacePole> estimates =

@@ -45,6 +45,7 @@ class ForcedSearch {
 
   void MergeCandidates();
   bool FitPoles(double lowest_hz);
+  void AddUnfitted(const Candidate& candidate);
   void AddFitted(const SubspacePole& pole, const Candidate& candidate);
 
   const ResponseRecord& record_;
