@@ -26,6 +26,7 @@ bool ReadOtherExport(const TomlTable& table, const std::string& key,
                              ? &files.damping
                              : &files.stiffness;
   *source = MatrixSource();
+  files.has_set = key == "set_export";
   if (!ReadSource(table, key, source)) return false;
   *path = source->path;
   FiniteElementModel other;

@@ -234,7 +234,26 @@ class SectionReader {
                           "keeps; add it there");
       }
     }
+    if (kept.empty()) KeepShapes(&kept);
     return true;
+  }
+
+  // Modes alone: keeps the DOFs of their shapes. A mode's shape may be in a
+  // file, which says nothing here.
+  void KeepShapes(std::vector<std::string>* kept) const {
+    const TomlValue* modes = root_.Find("mode");
+    if (modes == nullptr) return;
+    for (const TomlValue& mode : modes->elements) {
+      const TomlValue* shape = mode.Find("shape");
+      if (shape == nullptr) continue;
+      for (const auto& [name, value] : shape->entries) {
+        (void)value;
+        if (structure_.model.DofIndex(name) >= 0 &&
+            std::find(kept->begin(), kept->end(), name) == kept->end()) {
+          kept->push_back(name);
+        }
+      }
+    }
   }
 
   // True for q1, q2, ..., the names of modes.

@@ -69,6 +69,63 @@ TEST_F(FiniteElementSectionTest, GroupsAreReducedAlong) {
   EXPECT_EQ(exported[2].matrix.coeff(3, 7), -100.0);
 }
 
+// A chain of four DOFs, of which only the last two have mass.
+void WriteChain(const TemporaryFolder& folder, const std::string& group) {
+  const std::string head = "%%MatrixMarket matrix coordinate real symmetric\n";
+  folder.Write("M.mtx", head + "4 4 2\n3 3 2\n4 4 1\n");
+  folder.Write("K.mtx", head +
+                            "4 4 7\n1 1 300\n2 1 -100\n2 2 300\n3 2 -200\n"
+                            "3 3 300\n4 3 -100\n4 4 100\n");
+  folder.Write("set.mtx", head + "4 4 1\n1 1 200\n");
+  folder.Write("case.toml", R"(
+[model]
+damping = "none"
+[model.finite_element]
+mass = "M.mtx"
+stiffness = "K.mtx"
+dofs = ["1.1", "2.1", "3.1", "4.1"]
+[model.reduction]
+method = "guyan"
+[[group]]
+name = "lowest"
+adds_to = "stiffness"
+)" + group + R"(
+[[mode]]
+frequency = 0.9
+shape = {"3.1" = 0.6, "4.1" = 1.0}
+)");
+}
+
+// An element set leaves DOFs of others empty, those without mass among them.
+// Where measured modes are all that the case has, their shapes say what stays.
+TEST(FiniteElementSets, LeaveDofsOfOthersEmpty) {
+  const TemporaryFolder folder;
+  WriteChain(folder, "set_export = \"set.mtx\"");
+  const Case c = ReadOrFail(folder.Path("case.toml"));
+  ASSERT_NE(c.problem.dynamics, nullptr);
+  EXPECT_THAT(c.problem.dynamics->model().dof_names, ElementsAre("3.1", "4.1"));
+  // Springs of 200, 100 and 200 in a row below 3.1 are one of 50; above it
+  // there is one of 100.
+  const Matrix& stiffness = c.problem.dynamics->model().stiffness;
+  EXPECT_NEAR(stiffness(0, 0), 100.0 + 50.0, 1e-9);
+  EXPECT_NEAR(stiffness(0, 1), -100.0, 1e-9);
+  ASSERT_EQ(c.problem.dynamics->groups().size(), 1u);
+  EXPECT_GT(c.problem.dynamics->groups()[0].group.matrix(0, 0), 0.0);
+}
+
+// The whole model is still checked.
+TEST(FiniteElementSets, WholeModelsHaveMassOrStiffnessEverywhere) {
+  const TemporaryFolder folder;
+  WriteChain(folder, "set_export = \"set.mtx\"");
+  folder.Write("K.mtx",
+               "%%MatrixMarket matrix coordinate real symmetric\n4 4 3\n"
+               "3 3 300\n4 3 -100\n4 4 100\n");
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(folder.Path("case.toml"), &c, &error));
+  EXPECT_THAT(error, HasSubstr("without mass and without stiffness"));
+}
+
 TEST_F(FiniteElementSectionTest, ResultGoesBackToTheWholeModel) {
   const Case c = ReadOrFail(kCase);
   IdentifiedModel model;

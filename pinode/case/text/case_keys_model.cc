@@ -194,7 +194,9 @@ CaseTable ReductionKeys() {
       {
           {"method", "\"guyan\" or \"serep\" or \"craig_bampton\" or \"modal\"",
            "", "needed", "Method of reduction."},
-          {"keep", "texts", "DOFs", "all that the rest of the case names",
+          {"keep", "texts", "DOFs",
+           "all that the rest of the case names, else those of the modes' "
+           "shapes",
            "DOFs that stay."},
           {"modes", "whole number", "", "0",
            "Modes of `craig_bampton` beside the DOFs that stay; of `modal` in "

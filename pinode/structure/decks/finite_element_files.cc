@@ -65,6 +65,7 @@ class ModelReader {
         error_(error),
         names_(files.names),
         are_names_listed_(!files.names.empty()),
+        has_set_(files.has_set),
         names_source_(files.names.empty() ? "" : "the list of DOFs") {}
 
   bool Read(FiniteElementModel* model) {
@@ -94,7 +95,10 @@ class ModelReader {
     model_.dof_names = NumberRepeatedNames(std::move(names_), &model_.notes);
     std::string what;
     const SparseMatrix* culprit = nullptr;
-    if (!model_.IsValid(&what, &culprit)) {
+    // No matrix is at fault where DOFs are without mass and stiffness, and all
+    // of them have names of their own here.
+    if (!model_.IsValid(&what, &culprit) &&
+        !(has_set_ && culprit == nullptr && HasNames())) {
       const int role = culprit == &model_.mass      ? kMass
                        : culprit == &model_.damping ? kDamping
                                                     : kStiffness;
@@ -108,6 +112,12 @@ class ModelReader {
   }
 
  private:
+  bool HasNames() const {
+    const std::vector<std::string>& names = model_.dof_names;
+    return !names.empty() &&
+           std::find(names.begin(), names.end(), "") == names.end();
+  }
+
   bool Fail(const std::string& path, const std::string& message) {
     *error_ = path + ": " + message;
     return false;
@@ -418,6 +428,7 @@ class ModelReader {
   std::map<std::string, MatrixContainer> containers_;
   std::vector<std::string> names_;
   const bool are_names_listed_;
+  const bool has_set_;
   std::string names_source_;
   std::string default_names_path_;
   FiniteElementModel model_;

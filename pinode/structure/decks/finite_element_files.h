@@ -38,6 +38,9 @@ struct FiniteElementFiles {
   std::string dof_names;
   // DOF names in memory, in place of the file. Empty: none are given.
   std::vector<std::string> names;
+  // True if a matrix is that of an element set alone. DOFs of other elements
+  // may then have neither mass nor stiffness.
+  bool has_set = false;
 };
 
 // Reads the matrices and checks them (FiniteElementModel::IsValid). The format
