@@ -48,7 +48,8 @@ class Columns:
             return given
         if self._path is not None:
             raise Error(
-                f"{self._record}: 'time' is an array, but the record has a file; expected the name of a column"
+                f"{self._record}: 'time' is an array, but the record has a file; expected the "
+                "name of a column"
             )
         self._time = self._free_name("t")
         self._columns[self._time] = self._times("time", as_matrix(given))
@@ -98,12 +99,12 @@ class Columns:
             return {"column": column}
         if (time is None) != (self._time is None):
             raise Error(
-                f"{self._record}: '{name}' has a 'time', but the record has a 'step'; leave out one "
-                "of them, or give the record the 'time'"
+                f"{self._record}: '{name}' has a 'time', but the record has a 'step'; leave out "
+                "one of them, or give the record the 'time'"
                 if self._time is None else
-                f"{self._record}: '{name}' is an array without times, but the file has a column of the "
-                "time; expected {'values': ..., 'time': seconds}, or the record's 'step' instead of "
-                "that column"
+                f"{self._record}: '{name}' is an array without times, but the file has a column of "
+                "the time; expected {'values': ..., 'time': seconds}, or the record's 'step' "
+                "instead of that column"
             )
         if time is None:
             return {"column": name, "file": {name: values}}
