@@ -33,9 +33,9 @@ Refused "--case=FILE is missing" --model=D --output_dir=E
 Refused "--output_dir=FOLDER is missing" --model=D --case=scheme3.toml
 Refused "checkpoint.json" --model=nowhere --case=scheme3.toml --output_dir=E
 Refused "checkpoint.json" --model=D --case=scheme2.toml --output_dir=E
-Refused "expected another one" --model=D --case=scheme3.toml --output_dir=D \
+Refused "give another folder" --model=D --case=scheme3.toml --output_dir=D \
   --overwrite
-Refused "--model is of no use" --model=D --case=quarter_car.toml --output_dir=E
+Refused "which uses no model" --model=D --case=quarter_car.toml --output_dir=E
 Refused "--threads must not be negative" --model=D --case=scheme3.toml \
   --output_dir=E --threads=-1
 # A network that has to be trained, and a DOF that no displacement shows.

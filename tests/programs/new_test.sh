@@ -163,7 +163,7 @@ Unclear "Give --base=" edited.csv "${frame[@]}" --time=column_1
 Unclear "Give --sensors=\"column_3=FLOOR,column_4=FLOOR" edited.csv \
   "${frame[@]}" --time=column_1 --base=column_2
 Edited '5d'
-Unclear "states no unit of acceleration. Give --unit=" edited.csv "${frame[@]}"
+Unclear "has no stated unit of acceleration. Give --unit=" edited.csv "${frame[@]}"
 Unclear "--unit: 'mm' is not a unit of acceleration" edited.csv "${frame[@]}" \
   --unit=mm
 Edited '5s/mg$/mm/'

@@ -86,7 +86,7 @@ Refused "negative" --case=loads.toml --plan=-1
 sed '/^excite/s/"u3"/"u9"/' hits.toml >bad.toml
 Refused "bad.toml:" --case=bad.toml --plan=1
 sed 's/durations = .*/durations = [200]/' hits.toml >bad.toml
-Refused "no more than" --case=bad.toml --plan=1
+Refused "not more than" --case=bad.toml --plan=1
 sed 's/excite = .*/excites = 1/' hits.toml >bad.toml
 Refused "excites" --case=bad.toml --plan=1
 Refused "record" --case=model.toml --plan=1

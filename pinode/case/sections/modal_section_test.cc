@@ -147,7 +147,7 @@ TEST(ModalSection, MoreModesThanTheModelHas) {
   EXPECT_TRUE(summary.modes[0].InUse() && summary.modes[2].InUse());
   EXPECT_FALSE(summary.modes[1].InUse());
   EXPECT_THAT(summary.remarks,
-              Contains(HasSubstr("the fit does not use 'high'")));
+              Contains(HasSubstr("does not use the measured mode 'high'")));
   EXPECT_EQ(model.parameters, other.parameters);
   EXPECT_EQ(summary.usable(), expected.usable());
 }

@@ -93,7 +93,7 @@ def test_channels_may_be_called_as_columns_are(name):
                               channels=[channel]))
     assert list(made.records["r"]["channels"]) == [name]
     assert np.array_equal(made.measured("r")[name], 2.0 * WAVE)
-    with pytest.raises(pinode.Error, match="this name is used twice, expected different names"):
+    with pytest.raises(pinode.Error, match="this name is used twice in this record, expected different names"):
         case(pinode.Record("r", step=STEP, channels=[channel, channel]))
 
 
