@@ -318,7 +318,8 @@ TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
   const Judgement beside =
       JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
   EXPECT_EQ(beside.verdict, DamageVerdict::kCannotTell);
-  EXPECT_THAT(beside.sentence, HasSubstr("Besides, another change was found: " + kSubjects[1].name));
+  EXPECT_THAT(beside.sentence, HasSubstr("Besides, another change was found: " +
+                                         kSubjects[1].name));
   estimate.groups[1] = Change(0.0, 0.01, false);
 
   missed.within_doubt = {false, true, true};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
@@ -195,6 +196,45 @@ class LayoutFinder {
     return false;
   }
 
+  // The number that all cells of the row number `i` of the run have; NaN if
+  // they differ.
+  double CommonNumber(size_t i) {
+    size_t row = 0;
+    for (size_t line = run_.first; line < lines_.size(); ++line) {
+      if (IsNoRow(lines_[line].text) || row++ < i) continue;
+      std::vector<std::string_view> cells;
+      std::vector<std::string> storage;
+      double common = kNaN;
+      if (!SplitCells(lines_[line].text, run_.delimiter, &cells, &storage)) {
+        return kNaN;
+      }
+      for (const std::string_view cell : cells) {
+        double number = kNaN;
+        if (!ParseCell(cell, run_.decimal, &number)) return kNaN;
+        if (&cell != &cells[0] && number != common) return kNaN;
+        common = number;
+      }
+      return common;
+    }
+    return kNaN;
+  }
+
+  // True for rows without names whose first two are the start in seconds since
+  // 1970 and the sampling rate, once for each column, as wristband loggers
+  // write them.
+  bool BeginsWithStartAndRate() {
+    constexpr double kYear2000 = 946684800.0;
+    constexpr double kYear2100 = 4102444800.0;
+    if (header_.found || format_.header_lines >= 0 || run_.rows < 3) {
+      return false;
+    }
+    const double start = CommonNumber(0);
+    const double rate = CommonNumber(1);
+    const double third = CommonNumber(2);
+    return start > kYear2000 && start < kYear2100 && rate > 0.0 && rate < 1e6 &&
+           !(third > kYear2000);
+  }
+
   // True for whole numbers between commas that may be the two parts of numbers
   // with decimal commas: a part begins with a zero, or every second cell is
   // without a sign.
@@ -235,6 +275,17 @@ class LayoutFinder {
                             "`header_lines = " +
                             std::to_string(line - 1) + "` or `" +
                             std::to_string(line) + "`");
+    }
+    if (BeginsWithStartAndRate()) {
+      const int64_t line = lines_[run_.first].number;
+      return Fail(line,
+                  "the first two rows look like a start time and a sampling "
+                  "rate of " +
+                      FormatNumber(CommonNumber(1)) +
+                      " Hz. Set `header_lines = " + std::to_string(line + 1) +
+                      "` and `sampling_rate_hz`; if they are samples, set "
+                      "`header_lines = " +
+                      std::to_string(line - 1) + "`");
     }
     if (header_.found || !header_.is_odd || format_.header_lines >= 0) {
       return true;

@@ -149,6 +149,12 @@ TEST(TextTableTest, TextWithSeveralMeaningsIsRefused) {
               HasSubstr("`delimiter` and `decimal`"));
   EXPECT_EQ(ParseText("1,5,2,5\n2,-5,-3,5\n3,5,4,5\n").values.cols(), 4);
   // Thousands, or decimals.
+  // A start time and a rate above the samples, once for each column.
+  EXPECT_THAT(ErrorOf("1599215000.0,1599215000.0\n32.0,32.0\n-7,62\n-8,61\n"),
+              HasSubstr("rate of 32 Hz. Set `header_lines = 2`"));
+  EXPECT_EQ(
+      ParseText("1599215000.0,5\n1599215001.0,6\n1599215002.0,7\n").num_rows(),
+      3);
   EXPECT_THAT(ErrorOf("a;b\n1,234;5\n2,345;6\n"), HasSubstr("thousands"));
   EXPECT_EQ(ParseText("a;b\n1,234;5\n0,345;6\n").values(0, 0), 1.234);
   // 1 February or 2 January, and the times differ.
