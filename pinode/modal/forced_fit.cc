@@ -32,12 +32,12 @@ constexpr double kPeak = 2.5;
 constexpr double kAboveRounding = 10.0;
 // Largest difference in frequency, in decay rates of the faster of two, and
 // smallest MAC of shapes of one mode, as in a decay.
-constexpr double kSameFrequency = 0.5;
-constexpr double kSameShape = 0.9;
+constexpr double kSameForcedFrequency = 0.5;
+constexpr double kSameForcedShape = 0.9;
 // Lines over which the noise is averaged for its weights, and the smallest
 // ratio of its variances that counts as a change.
 constexpr Eigen::Index kSmoothedLines = 32;
-constexpr double kSmallestChange = 4.0;
+constexpr double kSmallestForcedChange = 4.0;
 
 class PoleTest {
  public:
@@ -112,7 +112,8 @@ class PoleTest {
     }
     smooth =
         smooth.cwiseMax(std::max(Rounding().mean(), 1e-4 * smooth.maxCoeff()));
-    if (smooth.maxCoeff() < kSmallestChange * smooth.minCoeff()) return false;
+    if (smooth.maxCoeff() < kSmallestForcedChange * smooth.minCoeff())
+      return false;
     model_.set_weights(model_.channel_weights(),
                        smooth.cwiseSqrt().cwiseInverse());
     fit_ = model_.Solve(fit_.s);
@@ -173,10 +174,11 @@ class PoleTest {
     for (size_t a = 0; a < kept_.size(); ++a) {
       for (size_t b = a + 1; b < kept_.size(); ++b) {
         const double apart = std::abs(fit_.s[a].imag() - fit_.s[b].imag());
-        if (apart > kSameFrequency *
+        if (apart > kSameForcedFrequency *
                         std::max(-fit_.s[a].real(), -fit_.s[b].real()) ||
             ComplexMac(FindForcedShape(model_, fit_, a).shape,
-                       FindForcedShape(model_, fit_, b).shape) < kSameShape) {
+                       FindForcedShape(model_, fit_, b).shape) <
+                kSameForcedShape) {
           continue;
         }
         const double first = model_.GainOf(fit_, a).squares.sum();

@@ -12,7 +12,7 @@ namespace {
 using Complex = std::complex<double>;
 
 // Size of a column outside of others, relative to its own, that is rounding.
-constexpr double kSmallestPart = 1e-10;
+constexpr double kSmallestForcedPart = 1e-10;
 constexpr int kShapeIterations = 12;
 // Size of a direction, relative to others, that counts for a first guess.
 constexpr double kLargeDirection = 1e-3;
@@ -20,9 +20,9 @@ constexpr double kLargeDirection = 1e-3;
 constexpr Eigen::Index kMostNoiseParts = 64;
 constexpr Eigen::Index kFewestNoiseLines = 24;
 // Deviations by which levels of white noise may differ.
-constexpr double kMostScatter = 5.0;
+constexpr double kMostForcedScatter = 5.0;
 // Relative standard deviation of the sampling step, as in a decay.
-constexpr double kClock = 5e-13;
+constexpr double kForcedClock = 5e-13;
 constexpr Eigen::Index kMostDegrees = 1000;
 
 // Real and imaginary part of factor times (a, b).
@@ -87,7 +87,8 @@ Matrix OrthonormalPart(const Matrix& columns, const Vector& sizes) {
   const Vector inverse = sizes.cwiseMax(1e-300).cwiseInverse();
   const Eigen::ColPivHouseholderQR<Matrix> qr(columns * inverse.asDiagonal());
   Eigen::Index rank = 0;
-  while (rank < most && std::abs(qr.matrixR()(rank, rank)) > kSmallestPart) {
+  while (rank < most &&
+         std::abs(qr.matrixR()(rank, rank)) > kSmallestForcedPart) {
     ++rank;
   }
   return qr.householderQ() * Matrix::Identity(columns.rows(), rank);
@@ -182,7 +183,8 @@ class ForcedNoise {
       const double count =
           static_cast<double>(firsts_[part + 1] - firsts_[part]);
       const double level = products_[part].diagonal().real().sum() / trace;
-      if (std::abs(level - 1.0) > kMostScatter / std::sqrt(effective * count)) {
+      if (std::abs(level - 1.0) >
+          kMostForcedScatter / std::sqrt(effective * count)) {
         return false;
       }
     }
@@ -221,7 +223,7 @@ void SetInfluences(const Matrix& covariance, Eigen::Index degrees,
     }
   }
   pole->s_influence[own] =
-      kClock * std::sqrt(static_cast<double>(count)) * pole->s;
+      kForcedClock * std::sqrt(static_cast<double>(count)) * pole->s;
 }
 
 }  // namespace
