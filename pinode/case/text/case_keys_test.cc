@@ -159,11 +159,11 @@ TEST_F(ReaderTest, ReadingAnotherTypeIsAMistake) {
 
 TEST_F(ReaderTest, ReadingWithAnotherDefaultIsAMistake) {
   const TomlTable options = Options("seed = 3\n");
-  options.Integer("seed", 7, 0);  // It is not absent.
-  options.Integer("max_iterations", 2000, 0);
+  options.Integer("seed", 7, 0, 1000);  // It is not absent.
+  options.Integer("max_iterations", 2000, 0, 100000);
   options.Choice("robust_loss", {"none", "huber", "cauchy"}, "none");
   EXPECT_THAT(TakeKeyMistakes(), IsEmpty());
-  options.Integer("max_iterations", 1000, 0);
+  options.Integer("max_iterations", 1000, 0, 100000);
   EXPECT_THAT(
       TakeKeyMistakes(),
       ElementsAre(
