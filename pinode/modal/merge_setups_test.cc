@@ -108,7 +108,7 @@ TEST(MergeSetupsTest, NeedsAPlaceInCommon) {
   MergedModes merged;
   std::string error;
   EXPECT_FALSE(MergeSetups({a, b}, {}, &merged, &error));
-  EXPECT_THAT(error, HasSubstr("no place in common"));
+  EXPECT_THAT(error, HasSubstr("no common place"));
   MergeOptions options;
   options.references = {"x"};
   EXPECT_FALSE(MergeSetups({a, b}, options, &merged, &error));

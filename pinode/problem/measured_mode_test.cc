@@ -196,7 +196,7 @@ TEST(ModalData, RefusesWhatMakesNoSense) {
       {[](ModalData* d) {
          d->modes[0] = testing::MakeMeasuredMode(1.0, {0}, {1.0});
        },
-       "one DOF"},
+       "at least two DOFs"},
       {[](ModalData* d) {
          d->form = ModalForm::kMac;
          d->modes[0].shape_sigma = 0.1;

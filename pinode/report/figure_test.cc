@@ -130,7 +130,7 @@ TEST_F(FigureTest, ShadesWhereMeasurementsAreExpected) {
       Matrix::Constant(score.prediction.rows(), score.prediction.cols(), 0.1);
   const Figure figure = MakeChannelFigure(example_->input, 0, 0);
   EXPECT_THAT(figure.script, HasSubstr("filledcurves"));
-  EXPECT_THAT(figure.caption, HasSubstr("shaded"));
+  EXPECT_THAT(figure.caption, HasSubstr("Shaded"));
   Draw(figure);
   score.deviations(0, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(MakeChannelFigure(example_->input, 0, 0).script,
@@ -300,7 +300,7 @@ TEST_F(FigureTest, ShowsTheParetoCurve) {
   const Figure figure = MakeParetoFigure(CubicEquation(), 0);
   EXPECT_THAT(Draw(figure), HasSubstr("number of terms"));
   EXPECT_THAT(figure.caption, HasSubstr("34 candidates"));
-  EXPECT_THAT(figure.caption, HasSubstr("circled"));
+  EXPECT_THAT(figure.caption, HasSubstr("Circled"));
   DiscoveredEquation nothing = CubicEquation();
   nothing.pareto.resize(1);
   EXPECT_TRUE(MakeParetoFigure(nothing, 0).empty());

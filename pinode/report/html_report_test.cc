@@ -339,7 +339,7 @@ TEST(HtmlReport, BeginsWithWhatHasChanged) {
   EXPECT_LT(page.find("Change since the baseline"),
             page.find("How well the model predicts"));
   // Two tables of changes are of two things.
-  EXPECT_THAT(page, HasSubstr("<h2>Against the model</h2>"));
+  EXPECT_THAT(page, HasSubstr("<h2>Compared with the initial model</h2>"));
   EXPECT_THAT(page, Not(HasSubstr("What changed")));
 }
 

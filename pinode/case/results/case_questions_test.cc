@@ -88,7 +88,7 @@ TEST_F(CaseQuestionsTest, AThousandIsNamed) {
   const CaseCheck check = Check(newtons, {1.125, 2.251});
   ASSERT_EQ(check.questions.size(), 1u);
   EXPECT_THAT(check.questions[0],
-              AllOf(HasSubstr("times higher"), HasSubstr("thousand")));
+              AllOf(HasSubstr("times higher"), HasSubstr("an error of 1000")));
 }
 
 // A stiffness that is off by a third is what a fit is for.

@@ -196,7 +196,7 @@ TEST(ModalSection, RefusesWhatDoesNotBelong) {
       {shape, "shape = \"shapes.csv\"\nshape_row = 3", "has 2 rows"},
       {shape, shape + "\nshape_row = 1", "needs a 'shape' in a file"},
       {shape, "shape_row = 1", "needs 'shape'"},
-      {shape, "", "'shape_sigma' needs 'shape'"},
+      {shape, "", "'shape_sigma' without 'shape'"},
       {"name = \"second\"", "name = \"1\"", "used twice"},
       {"\"eigenvector_difference\"", "\"mac\"", "not used in form 'mac'"},
       {"\"eigenvector_difference\"", "\"dynamic_residual\"",
@@ -248,7 +248,7 @@ TEST(ModalSection, SaysThatElementsTakeNoPart) {
   ASSERT_TRUE(result.ok) << result.error;
   ASSERT_EQ(result.c.problem.description.remarks.size(), 1u);
   EXPECT_THAT(result.c.problem.description.remarks[0],
-              HasSubstr("take no part"));
+              HasSubstr("without elements, libraries and networks"));
   EXPECT_THAT(
       ReadText(Modes() +
                "[[element]]\nname = \"s\"\ntype = \"cubic\"\nbetween = "

@@ -501,7 +501,7 @@ class DataFileReader {
       // "Temp (C)" is something else.
       if (name.back() != ']' && name.back() != ')') continue;
       return Fail("the unit of column '" + name +
-                  "' is not stated, but others have " + first +
+                  "' is not known, but others have " + first +
                   "; name only columns of one kind");
     }
     remarks_.push_back("No unit is stated for " + Join(without, ", ") +

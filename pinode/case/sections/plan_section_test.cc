@@ -136,7 +136,7 @@ TEST_F(PlanSectionTest, RefusesInOneLine) {
   EXPECT_THAT(ErrorOf(plan("criterion = \"best\"")), HasSubstr("best"));
   EXPECT_THAT(ErrorOf(plan("parameters = [\"k2\"]")),
               HasSubstr("case.toml:23: [plan]: 'parameters' has 'k2'"));
-  EXPECT_THAT(ErrorOf(plan("durations = [3.0]")), HasSubstr("no more than"));
+  EXPECT_THAT(ErrorOf(plan("durations = [3.0]")), HasSubstr("not more than"));
   EXPECT_THAT(ErrorOf(plan("excite = [\"9.1\"]")), HasSubstr("9.1"));
   EXPECT_THAT(ErrorOf(plan("sensors = 3")), HasSubstr("sensors"));
   EXPECT_THAT(ErrorOf(plan("[[plan.candidate]]\ndofs = [\"1.2\"]")),
@@ -144,7 +144,7 @@ TEST_F(PlanSectionTest, RefusesInOneLine) {
   EXPECT_THAT(ErrorOf(plan("[[plan.candidate]]\nsigma = 1")),
               HasSubstr("unit"));
   EXPECT_THAT(ErrorOf(plan("[[plan.candidate]]\nsigma = 1\nsigma_percent = 2")),
-              HasSubstr("beside"));
+              HasSubstr("are both given"));
   EXPECT_THAT(ErrorOf(plan("[[plan.candidate]]\nquantity = \"strain\"")),
               HasSubstr("strain"));
   EXPECT_THAT(ErrorOf(Replaced(plan(""), "start = \"rest\"",

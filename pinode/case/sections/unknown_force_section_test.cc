@@ -191,7 +191,7 @@ TEST_F(UnknownForceSection, ActsInATrainingRecord) {
       Replaced(TwoRecords(std::string(kSpline) + "record = \"again\"\n"),
                "name = \"again\"", "name = \"again\"\nrole = \"holdout\""),
       &c));
-  EXPECT_THAT(error_, AllOf(HasSubstr("role"), HasSubstr("held out")));
+  EXPECT_THAT(error_, AllOf(HasSubstr("role"), HasSubstr("hold-out")));
 }
 
 TEST_F(UnknownForceSection, RefusesWhatDoesNotFit) {

@@ -257,7 +257,7 @@ TEST(AmbientCostTest, ChannelsWhoseGapsLeaveLittleInCommon) {
     std::string error;
     EXPECT_EQ(problem.IsValid(&error), c < 5) << error;
     if (c < 5) continue;
-    EXPECT_THAT(error, HasSubstr("only 46 % of the record is free"));
+    EXPECT_THAT(error, HasSubstr("Only 46 % of the record is free"));
   }
 }
 

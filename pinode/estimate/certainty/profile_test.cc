@@ -232,7 +232,7 @@ TEST(ProfileParameters, SaysWhatItCannotDo) {
   fit.summary.covariance_method = "errors in variables";
   EXPECT_FALSE(ProfileParameters(fit.problem, fit.summary, fit.model,
                                  fit.options, {}, &fit.profiles, &fit.error));
-  EXPECT_THAT(fit.error, HasSubstr("unknowns of the fit"));
+  EXPECT_THAT(fit.error, HasSubstr("its errors were unknowns"));
   EXPECT_FALSE(ProfileParameters(fit.problem, IdentificationSummary(),
                                  IdentifiedModel(), fit.options, {},
                                  &fit.profiles, &fit.error));

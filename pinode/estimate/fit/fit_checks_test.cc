@@ -314,7 +314,8 @@ TEST(Usable, GroupsHaveToBeTold) {
   damping.ambient[0].information_left[2] = 0.9;
   damping.parameters.push_back(damping.parameters[0]);
   damping.parameters[2].name = "c_mass";
-  EXPECT_THAT(Judged(damping), HasSubstr("'k1', 'k2' cannot be told"));
+  EXPECT_THAT(Judged(damping),
+              HasSubstr("not determined by the data: 'k1', 'k2'"));
   // Large numbers in their own unit are known to a part of themselves.
   IdentificationSummary large = AmbientSummary(0.5, 1e4);
   for (ParameterEstimate& group : large.parameters) {

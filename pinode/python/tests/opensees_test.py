@@ -233,7 +233,7 @@ def test_what_does_not_fit_together():
     for arguments, message in [
             ((one, two), "2 rows, expected 1"),
             ((two, np.ones(2)), "expected a square one"),
-            ((two, two, [["a", 1], [1, 1]]), "no array of numbers"),
+            ((two, two, [["a", 1], [1, 1]]), "not an array of numbers"),
             ((0 * two, two), "mass matrix is zero"),
             ((two, np.array([[4.0, -2.0], [0.0, 2.0]])),
              r"stiffness matrix is not symmetric: -2 at 1\.1, 1\.2 and 0 the other way round"),

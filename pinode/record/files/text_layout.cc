@@ -208,10 +208,12 @@ class LayoutFinder {
       if (!SplitCells(lines_[line].text, run_.delimiter, &cells, &storage)) {
         return kNaN;
       }
-      for (const std::string_view cell : cells) {
+      for (size_t c = 0; c < cells.size(); ++c) {
         double number = kNaN;
-        if (!ParseCell(cell, run_.decimal, &number)) return kNaN;
-        if (&cell != &cells[0] && number != common) return kNaN;
+        if (!ParseCell(cells[c], run_.decimal, &number) ||
+            (c > 0 && number != common)) {
+          return kNaN;
+        }
         common = number;
       }
       return common;

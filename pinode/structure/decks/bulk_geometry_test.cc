@@ -92,7 +92,7 @@ TEST(BulkGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(BulkErrorOf("GRID,1,,0.,0.,0.\nGRID,2,5,0.,0.,0.\n"),
               HasSubstr("frame.bdf:2: GRID 2 is in system 5"));
   EXPECT_THAT(BulkErrorOf("GRID,1,,0.,0.,0.,7\n"), HasSubstr("system 7"));
-  EXPECT_THAT(BulkErrorOf("GRID,1\nGRID,1\n"), HasSubstr("there twice"));
+  EXPECT_THAT(BulkErrorOf("GRID,1\nGRID,1\n"), HasSubstr("given twice"));
   EXPECT_THAT(BulkErrorOf("GRID,1\nCROD,1,1,1,9\nGRID,2\n"),
               HasSubstr("frame.bdf:2: an element has node 9"));
   EXPECT_THAT(BulkErrorOf("GRID,1\nGRDSET,,2\n"),

@@ -205,7 +205,7 @@ TEST(DeckAssemblyTest, OnePartNeedsNoAssembly) {
   EXPECT_THAT(SetOf(geometry, "b"), ElementsAre(0));
   EXPECT_EQ(geometry.sets.size(), 2u);
   EXPECT_THAT(GeometryErrorOf(part + "*NODE\n1,0,0,0\n"),
-              HasSubstr("node 1 is there twice, expected"));
+              HasSubstr("node 1 is given twice, expected"));
   EXPECT_THAT(GeometryErrorOf(part + "*PART,NAME=Q\n*NODE\n1,0,0,0\n"),
               HasSubstr("2 parts and no *INSTANCE"));
 }
@@ -219,8 +219,8 @@ TEST(DeckAssemblyTest, RefusesWithTheLine) {
   EXPECT_THAT(error("*Instance, name=a\n"), HasSubstr("has no PART"));
   EXPECT_THAT(error("*Instance, part=column\n"), HasSubstr("has no NAME"));
   EXPECT_THAT(error(std::string(kOne) + kOne),
-              HasSubstr("'Column-1' is there twice"));
-  EXPECT_THAT(error("*Part, name=COLUMN\n"), HasSubstr("is there twice"));
+              HasSubstr("'Column-1' is given twice"));
+  EXPECT_THAT(error("*Part, name=COLUMN\n"), HasSubstr("is given twice"));
   EXPECT_THAT(error("*Part, name=b\n*Part, name=c\n"),
               HasSubstr("begins within a part"));
   for (const char* line : {"1.,2.,3.,4.", "a", "0,0,0\n1,1,1", "0,inf,0",
@@ -243,7 +243,7 @@ TEST(DeckAssemblyTest, RefusesWithTheLine) {
   EXPECT_THAT(error(kOne + std::string("*Element, type=T3D2\n1,Beam-1.1,2\n")),
               HasSubstr("'Beam-1.1', expected a number"));
   EXPECT_THAT(error("*Instance, name=a, part=column\n*Node\n1,0,0,0\n"),
-              HasSubstr("node 1 is there twice in instance 'a'"));
+              HasSubstr("node 1 is given twice in instance 'a'"));
 }
 
 }  // namespace

@@ -173,7 +173,7 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(ErrorOf("*NODE\n1,0,a,0\n"), HasSubstr("deck.inp:2:"));
   EXPECT_THAT(ErrorOf("*NODE\n1,0,inf,0\n"), HasSubstr("deck.inp:2:"));
   EXPECT_THAT(ErrorOf("*NODE\n1,0,0,0\n1,0,0,1\n"),
-              HasSubstr("node 1 is there twice"));
+              HasSubstr("node 1 is given twice"));
   EXPECT_THAT(ErrorOf("*NODE,SYSTEM=C\n1,0,0,0\n"), HasSubstr("SYSTEM=C"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT\n1,1,2\n"), HasSubstr("TYPE"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=B31\n1,1,9\n"),
@@ -189,7 +189,7 @@ TEST(DeckGeometryTest, RefusesWithTheLine) {
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=C3D8\n1,1,2,3\n*STEP\n"),
               HasSubstr("too few nodes"));
   EXPECT_THAT(ErrorOf(nodes + "*ELEMENT,TYPE=B31\n1,1,2\n1,2,3\n"),
-              HasSubstr("element 1 is there twice"));
+              HasSubstr("element 1 is given twice"));
   EXPECT_THAT(ErrorOf(nodes + "*ELSET,ELSET=a\nb\n"),
               HasSubstr("deck.inp:12:"));
   EXPECT_THAT(ErrorOf(nodes + "*ELSET,ELSET=a,GENERATE\n3,1,1\n"),

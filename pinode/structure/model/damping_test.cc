@@ -179,7 +179,7 @@ TEST(ModalDamping, RefusesBadInput) {
               HasSubstr("ratio 1 is nan"));
   EXPECT_THAT(message(frame.mass, -frame.stiffness, one),
               HasSubstr("the stiffness matrix is not positive semidefinite: "
-                        "mode 1 has negative stiffness"));
+                        "mode 1 has a negative stiffness"));
   EXPECT_THAT(message(-frame.mass, frame.stiffness, one),
               HasSubstr("positive definite"));
 }
