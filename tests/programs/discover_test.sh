@@ -43,7 +43,7 @@ sed 's/"derivatives"/"network"/' quarter_car.toml >untrained.toml
 Refused "--model=FOLDER is missing" --case=untrained.toml --output_dir=E
 sed 's/column   = "xu"/column   = "xu"\n  fit      = false/' quarter_car.toml \
   >unseen.toml
-Refused "record 'drive', DOF 'u': no displacement channel" \
+Refused "record 'drive', DOF 'u': it has no displacement channel" \
   --case=unseen.toml --output_dir=E
 cp scheme3.toml wrong.toml
 printf "\n[discover]\nsinus = []\n" >>wrong.toml

@@ -35,7 +35,7 @@ class Export(NamedTuple):
     folder: absolute path of the exported files.
     mass, stiffness: absolute paths of the matrices' files.
     groups: list of the groups.
-    geometry: `geometry` of a Case with all these groups: the deck, and the element
+    geometry: the `geometry` of a Case with all these groups: the deck, and the element
         sets of groups with other names. For some of the groups use geometry_of.
     """
 
