@@ -104,7 +104,7 @@ bool ReadNumpyArchive(const std::string& path, const std::string& content,
       others->insert(name);
     } else if (!arrays->emplace(name, std::move(array)).second) {
       *error = path + ": array " + Quote(name) +
-               " is there twice, expected each name once";
+               " is given twice, expected each name once";
       return false;
     }
   }

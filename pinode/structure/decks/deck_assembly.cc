@@ -154,7 +154,7 @@ bool DeckAssembly::AddNodes(const std::string& path, std::string* error) {
         const int number = piece.scope->node_numbers[i];
         if (FindNode(copy, number) != row) {
           *error = path + ": node " + std::to_string(number) +
-                   " is there twice" + InInstance(copy.name) +
+                   " is given twice" + InInstance(copy.name) +
                    ", expected different numbers";
           return false;
         }
@@ -183,7 +183,7 @@ bool DeckAssembly::AddElements(const std::string& path, std::string* error) {
         const auto index = static_cast<int>(geometry_.elements.size());
         if (FindElement(copies_[c], number) != index) {
           *error = path + ": element " + std::to_string(number) +
-                   " is there twice" + InInstance(copies_[c].name) +
+                   " is given twice" + InInstance(copies_[c].name) +
                    ", expected different numbers";
           return false;
         }

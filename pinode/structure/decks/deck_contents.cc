@@ -194,7 +194,7 @@ class ContentsReader {
     return contents_->materials.emplace(DeckKey(*name), std::move(material))
                .second ||
            FailInDeckBlock(blocks_[b],
-                           "material '" + *name + "' is there twice", error_);
+                           "material '" + *name + "' is given twice", error_);
   }
 
   // Returns the position of the owner. -1: it has no elements here, so nothing

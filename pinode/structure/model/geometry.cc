@@ -65,7 +65,7 @@ bool StructureGeometry::IsValid(std::string* error) const {
   std::unordered_set<std::string> seen;
   for (const std::string& name : node_names) {
     if (name.empty() || !seen.insert(name).second) {
-      *error = "node '" + name + "' of the geometry is there twice or has no " +
+      *error = "node '" + name + "' of the geometry is given twice or has no " +
                "name, expected different names";
       return false;
     }
