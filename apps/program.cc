@@ -242,7 +242,7 @@ void UseOneBlasThread(char** argv) {
   }
   setenv(kVariable, "1", 0);
   execv("/proc/self/exe", argv);
-  // Where it cannot be started again, it goes on as it is.
+  // If it cannot be started again, it continues as it is.
 }
 
 // Ends the process without the end of libraries. Where memory is short,

@@ -268,7 +268,7 @@ class Runner:
             self.fail(page, block, f"{file} has no '{name}'")
 
 
-# What is expected, what is printed, and whether that is the same.
+# Expected lines, printed text, and True if they agree.
 COMPARISONS = [
     (["k1  0.2530  0.0040"], "Parameters\n  k1    0.25301  0.00402\n", True),
     (["k1  0.2530  0.0040"], "k1 0.2571 0.0040", False),

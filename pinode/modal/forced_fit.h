@@ -36,8 +36,8 @@ struct ForcedPoles {
 // - Without it the residuals have a peak at its frequency: loads that are not
 //   measured excite it.
 //
-// Of two poles of one frequency and shape, the one that explains less is not
-// needed. Sets the weights of the model: by the noise of the channels, and, if
+// If two poles have one frequency and shape, the one that explains less is
+// removed. Sets the weights of the model: by the noise of the channels, and, if
 // it changes, by the noise over frequency.
 ForcedPoles FindForcedPoles(const std::vector<ForcedCandidate>& candidates,
                             ForcedModel* model);

@@ -38,7 +38,7 @@ struct ForcedFit {
 // a band. With z = exp(2 pi i line / samples), the states of a pole are
 // combinations of z / (z - l) and U_i / (z - l): no approximation, because
 // z^samples = 1. Outside of the band the sum of loads need not be a good one.
-// What the edges of the stretch add from there is left to samples next to them.
+// Terms of the stretch's edges from there are left to the samples beside them.
 class ForcedModel {
  public:
   // A band of frequencies, Hz, with so many lines at most. If there are more,

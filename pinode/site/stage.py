@@ -29,7 +29,7 @@ CONTENTS = [
              "apps/README"]),
     ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),
     ("Reference", ["pinode/README", "api_python", "api_cpp", "tests/README",
-                   "third_party_notes/README", "CONTRIBUTING", "PUBLISHING", "CHANGELOG"]),
+                   "third_party_notes/README", "CONTRIBUTING", "tests/packages/PUBLISHING", "CHANGELOG"]),
 ]
 LINK = re.compile(r"\]\(([^()\s#]+)((?:#[^()\s]*)?)\)")
 

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# What the programs do with inputs of strangers, limits of the system and
-# signals.
+# Programs with inputs of strangers, limits of the system, and signals.
 #
 #   tests/programs/hostile_test.sh PROGRAM_DIR
 #

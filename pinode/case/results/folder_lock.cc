@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the system has no locks of open files, those of processes serve.
+// Locks of open files. Systems without them use those of processes.
 #ifdef F_OFD_SETLK
 constexpr int kSetLock = F_OFD_SETLK;
 constexpr int kGetLock = F_OFD_GETLK;
@@ -74,8 +74,8 @@ bool IsAlive(int process) {
   return process != ::getpid() && process > 0 && !HasEnded(process);
 }
 
-// What a lock's file says: "locked" or "unlocked", process, host, and space of
-// processes, one a line.
+// Content of a lock's file, one item a line: "locked" or "unlocked", process,
+// host, and process namespace.
 struct LockText {
   bool is_lock = false;
   int process = 0;

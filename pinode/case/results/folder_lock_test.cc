@@ -95,7 +95,7 @@ TEST(FolderLock, OtherHostsCannotBeAsked) {
   EXPECT_FALSE(result.Open(path, false, true, &error));
   EXPECT_THAT(error, HasSubstr("process 7 on host node12 has begun"));
   EXPECT_THAT(error, HasSubstr("delete " + folder + "/lock"));
-  // Where it had a lock, its end is known.
+  // The end of a process that had a lock is known.
   base.Write("out.partial-7/lock", "locked\n7\nnode12\npid:[1]\n");
   EXPECT_EQ(HolderOf(folder, 7).state, FolderHolder::State::kNone);
 }

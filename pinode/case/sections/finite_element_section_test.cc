@@ -97,7 +97,7 @@ shape = {"3.1" = 0.6, "4.1" = 1.0}
 }
 
 // An element set leaves DOFs of others empty, those without mass among them.
-// Where measured modes are all that the case has, their shapes say what stays.
+// In a case of measured modes alone, their shapes say which DOFs stay.
 TEST(FiniteElementSets, LeaveDofsOfOthersEmpty) {
   const TemporaryFolder folder;
   WriteChain(folder, "set_export = \"set.mtx\"");
