@@ -5,10 +5,12 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/identify/identify.h"
 #include "tests/cases/force_measure.h"
 #include "tests/support/figure_testing.h"
@@ -112,6 +114,21 @@ TEST(ForceCases, AForceAtTheWrongStoreyIsNoForce) {
   ASSERT_FALSE(run.summary.explanations.empty());
   EXPECT_EQ(run.summary.explanations[0].kind, "force_place");
   EXPECT_EQ(run.summary.explanations[0].place, "shaker,u2");
+}
+
+// With one sensor for one force nothing can contradict the model.
+TEST(ForceCases, AForceNeedsMoreSensorsThanForces) {
+  Case c = ForceCase("sweep");
+  EXPECT_TRUE(CheckUnknownForces(c.problem, FitSummary()).empty());
+  std::vector<MeasuredChannel>& channels = c.problem.records[0].channels;
+  channels[1].fit = false;
+  EXPECT_TRUE(CheckUnknownForces(c.problem, FitSummary()).empty());
+  channels[2].fit = false;
+  const std::vector<Finding> findings =
+      CheckUnknownForces(c.problem, FitSummary());
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "nothing_checks_the_force");
+  EXPECT_EQ(findings[0].grade, Grade::kWithCare);
 }
 
 // The case says nothing of when the blow fell.
