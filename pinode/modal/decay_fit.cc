@@ -19,10 +19,6 @@ constexpr double kFalseDecay = 1e-3;
 // Smallest noise of a channel relative to its root mean square: rounding of
 // samples and of exp(s t).
 constexpr double kRounding = 3e-13;
-// Largest difference in frequency, in decay rates of the faster of two, and
-// smallest MAC of shapes of one mode.
-constexpr double kSameFrequency = 0.5;
-constexpr double kSameShape = 0.9;
 // Candidates that are refined in each step, and at most if those are refused.
 constexpr size_t kTried = 2;
 constexpr size_t kMostTried = 6;
@@ -111,7 +107,9 @@ class DecayFinder {
   static bool HasTwin(const DecayFit& fit, size_t term) {
     if (!fit.terms[term].vibrates()) return false;
     for (size_t i = 0; i < fit.terms.size(); ++i) {
-      if (i != term && fit.terms[i].vibrates() && IsOneMode(fit, i, term)) {
+      if (i != term && fit.terms[i].vibrates() &&
+          IsOneMode(fit.terms[i].s, fit.Shape(i), fit.terms[term].s,
+                    fit.Shape(term))) {
         return true;
       }
     }
@@ -223,14 +221,6 @@ class DecayFinder {
 };
 
 }  // namespace
-
-bool IsOneMode(const DecayFit& fit, size_t a, size_t b) {
-  const Complex first = fit.terms[a].s;
-  const Complex second = fit.terms[b].s;
-  const double apart = std::abs(first.imag() - second.imag());
-  return apart < kSameFrequency * std::max(-first.real(), -second.real()) &&
-         ComplexMac(fit.Shape(a), fit.Shape(b)) > kSameShape;
-}
 
 DecayFit FindDecays(const std::vector<DecayTerm>& start,
                     const std::vector<std::complex<double>>& candidates,

@@ -30,10 +30,6 @@ constexpr double kNoiseWidth = 3.0;
 // it has a peak there, and its smallest ratio to rounding.
 constexpr double kPeak = 2.5;
 constexpr double kAboveRounding = 10.0;
-// Largest difference in frequency, in decay rates of the faster of two, and
-// smallest MAC of shapes of one mode, as in a decay.
-constexpr double kSameForcedFrequency = 0.5;
-constexpr double kSameForcedShape = 0.9;
 // Lines over which the noise is averaged for its weights, and the smallest
 // ratio of its variances that counts as a change.
 constexpr Eigen::Index kSmoothedLines = 32;
@@ -173,12 +169,8 @@ class PoleTest {
   bool RemoveTwin() {
     for (size_t a = 0; a < kept_.size(); ++a) {
       for (size_t b = a + 1; b < kept_.size(); ++b) {
-        const double apart = std::abs(fit_.s[a].imag() - fit_.s[b].imag());
-        if (apart > kSameForcedFrequency *
-                        std::max(-fit_.s[a].real(), -fit_.s[b].real()) ||
-            ComplexMac(FindForcedShape(model_, fit_, a).shape,
-                       FindForcedShape(model_, fit_, b).shape) <
-                kSameForcedShape) {
+        if (!IsOneMode(fit_.s[a], FindForcedShape(model_, fit_, a).shape,
+                       fit_.s[b], FindForcedShape(model_, fit_, b).shape)) {
           continue;
         }
         const double first = model_.GainOf(fit_, a).squares.sum();

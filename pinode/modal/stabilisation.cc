@@ -348,4 +348,13 @@ std::vector<PoleCluster> FindClusters(const std::vector<SubspacePole>& poles,
   return ClusterFinder(poles, max_order, window_seconds, options).Find();
 }
 
+bool IsOneMode(std::complex<double> a, const Eigen::VectorXcd& shape_a,
+               std::complex<double> b, const Eigen::VectorXcd& shape_b) {
+  constexpr double kNearInDecays = 0.5;
+  constexpr double kLikeShape = 0.9;
+  return std::abs(a.imag() - b.imag()) <
+             kNearInDecays * std::max(-a.real(), -b.real()) &&
+         ComplexMac(shape_a, shape_b) > kLikeShape;
+}
+
 }  // namespace pinode

@@ -81,6 +81,11 @@ std::complex<double> TurnToReal(const Eigen::VectorXcd& shape);
 // Returns |a^H b|^2 / (|a|^2 |b|^2).
 double ComplexMac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
+// Returns true if two estimated poles a and b (1/s) are one mode: they are
+// nearer than half a decay rate, and the MAC of their shapes is above 0.9.
+bool IsOneMode(std::complex<double> a, const Eigen::VectorXcd& shape_a,
+               std::complex<double> b, const Eigen::VectorXcd& shape_b);
+
 }  // namespace pinode
 
 #endif  // PINODE_MODAL_STABILISATION_H_
