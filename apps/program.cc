@@ -231,13 +231,14 @@ bool Interrupted() { return interrupts > 0; }
 
 namespace {
 
-// Starts the program again with one thread in OpenBLAS, if it is linked and
-// nobody has said how many. It starts its threads when it is loaded. Where
+// Starts the program again with one thread in OpenBLAS, if one with threads is
+// linked and nobody has said how many. It starts them when it is loaded. Where
 // memory is short, they ask for theirs in a loop that never ends.
 void UseOneBlasThread(char** argv) {
   constexpr char kVariable[] = "OPENBLAS_NUM_THREADS";
-  if (std::getenv(kVariable) != nullptr ||
-      dlsym(RTLD_DEFAULT, "openblas_set_num_threads") == nullptr) {
+  const auto kind =
+      reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
+  if (std::getenv(kVariable) != nullptr || kind == nullptr || kind() == 0) {
     return;
   }
   setenv(kVariable, "1", 0);

@@ -10,7 +10,7 @@ bundle_outside='^(ld-linux-x86-64|lib(c|m|dl|rt|util|pthread|resolv|gcc_s|stdc\+
 bundle_blas=/usr/lib/x86_64-linux-gnu/atlas
 
 # Packages whose code is compiled into pinode's own files.
-bundle_compiled_in=(libceres-dev libeigen3-dev libspectra-dev
+bundle_compiled_in=(libceres-dev libeigen3-dev
   nlohmann-json3-dev libkainjow-mustache-dev libtomlplusplus-dev libjs-three
   pybind11-dev)
 

@@ -9,12 +9,14 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/structure/model/symmetric.h"
+#include "pinode/structure/sparse/modes_from_factors.h"
 #include "pinode/structure/sparse/rigid_body.h"
 #include "pinode/structure/sparse/shifted_factors.h"
 #include "pinode/structure/sparse/sparse_modes.h"
@@ -153,9 +155,10 @@ bool ConstraintBasis(const FiniteElementModel& model,
       OthersBlock(model.stiffness, partition, &coupling);
   const SparseMatrix mass = OthersBlock(model.mass, partition, &unused);
   Matrix followers(num_others, num_kept + num_modes);
+  SparseModes held;
   {
-    ShiftedFactors factors;
-    if (!factors.Factorise(mass, stiffness, 0.0) || !factors.IsDefinite()) {
+    auto factors = std::make_unique<ShiftedFactors>();
+    if (!factors->FactoriseDefinite(mass, stiffness, 0.0)) {
       const int loose = LooseDof(stiffness);
       *error =
           "with the kept DOFs held, the others can still move without "
@@ -165,13 +168,17 @@ bool ConstraintBasis(const FiniteElementModel& model,
           " takes part); keep more of them";
       return false;
     }
-    followers.leftCols(num_kept) = -factors.Solve(coupling);
-  }
-  if (num_modes > 0) {
-    SparseModes held;
-    if (!ComputeLowestModes(mass, stiffness, num_modes, &held, error)) {
+    // The second solution takes the rounding of the first away, which would
+    // couple rigid-body motions with the others.
+    Matrix followed = -factors->Solve(coupling);
+    followed -= factors->Solve(stiffness * followed + coupling);
+    followers.leftCols(num_kept) = followed;
+    if (num_modes > 0 && !ModesFromFactors(std::move(factors), mass, stiffness,
+                                           num_modes, &held, error)) {
       return false;
     }
+  }
+  if (num_modes > 0) {
     if (held.eigenvalues.size() < num_modes) {
       *error = std::to_string(num_modes) +
                " modes with the kept DOFs held are asked for, and there are " +

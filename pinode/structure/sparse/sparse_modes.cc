@@ -1,7 +1,5 @@
 #include "pinode/structure/sparse/sparse_modes.h"
 
-#include <Spectra/SymEigsSolver.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
@@ -14,6 +12,8 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/structure/sparse/block_lanczos.h"
+#include "pinode/structure/sparse/modes_from_factors.h"
 #include "pinode/structure/sparse/shifted_factors.h"
 
 namespace pinode {
@@ -26,6 +26,16 @@ constexpr double kLargestErrorBound = 1e-8;
 // Relative width of a cluster of eigenvalues. Eigenvalues are counted above the
 // whole cluster.
 constexpr double kClusterWidth = 1e-6;
+// Operations of the factors above which the eigenvalues are not counted by
+// inertia but searched for. The factors of an indefinite matrix are computed
+// column by column, some 1e9 operations a second.
+constexpr double kMostOperationsOfCount = 2e9;
+// Accuracy of the largest eigenvalue beside those found, and its random start,
+// which is another than that of the modes.
+constexpr double kToleranceOfSearch = 1e-3;
+constexpr unsigned kSeedOfSearch = 4711;
+// Columns of a block of right sides.
+constexpr int kBlock = 4;
 // Number of DOFs below which the dense solver is faster.
 constexpr int kAlwaysDense = 300;
 // Number of DOFs above which the dense solver takes too much time and memory.
@@ -38,38 +48,21 @@ constexpr double kLastDigits = 1e-9;
 // F^-T is symmetric and positive semidefinite with eigenvalues 1 / (w^2 -
 // shift). Those of massless motions are zero. Unlike the usual (K - shift M)^-1
 // M it needs no M-inner product, which would be a seminorm for a singular M.
-// Vectors already found are projected out.
 class InverseOperator {
  public:
-  using Scalar = double;  // what Spectra calls it
-
-  InverseOperator(const ShiftedFactors& factors, const SparseMatrix& mass,
-                  const Matrix& found)
-      : factors_(factors), mass_(mass), found_(found) {}
+  InverseOperator(const ShiftedFactors& factors, const SparseMatrix& mass)
+      : factors_(factors), mass_(mass) {}
 
   Eigen::Index rows() const { return mass_.rows(); }
-  Eigen::Index cols() const { return mass_.cols(); }
 
-  Vector Apply(const Vector& y) const {
+  // Applies it to each column of `y`.
+  Matrix Apply(const Matrix& y) const {
     return factors_.FromForce(mass_ * factors_.ToShape(y));
-  }
-  void perform_op(const double* in, double* out) const {
-    Eigen::Map<Vector> result(out, rows());
-    if (found_.cols() == 0) {
-      result = Apply(Eigen::Map<const Vector>(in, rows()));
-      return;
-    }
-    result = Project(Apply(Project(Eigen::Map<const Vector>(in, rows()))));
   }
 
  private:
-  Vector Project(const Vector& y) const {
-    return y - found_ * (found_.transpose() * y);
-  }
-
   const ShiftedFactors& factors_;
   const SparseMatrix& mass_;
-  const Matrix& found_;
 };
 
 // Eigenpairs of the inverse operator, theta descending (w^2 ascending).
@@ -83,17 +76,12 @@ struct InversePairs {
 bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
                   InversePairs* pairs, Vector* error_bounds,
                   std::string* error) {
-  Matrix image(basis.rows(), basis.cols());
-  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
-    image.col(j) = inverse.Apply(basis.col(j));
-    image.col(j).normalize();
-  }
+  Matrix image = inverse.Apply(basis);
+  image.colwise().normalize();
   const Eigen::HouseholderQR<Matrix> qr(image);
   const Matrix orthonormal =
       qr.householderQ() * Matrix::Identity(basis.rows(), basis.cols());
-  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
-    image.col(j) = inverse.Apply(orthonormal.col(j));
-  }
+  image = inverse.Apply(orthonormal);
   const Matrix projected = orthonormal.transpose() * image;
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(
       0.5 * (projected + projected.transpose()));
@@ -115,10 +103,7 @@ bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
 bool DenseInversePairs(const InverseOperator& inverse, Matrix* basis,
                        std::string* error) {
   const Eigen::Index n = inverse.rows();
-  Matrix dense(n, n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    dense.col(j) = inverse.Apply(Vector::Unit(n, j));
-  }
+  const Matrix dense = inverse.Apply(Matrix::Identity(n, n));
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(
       0.5 * (dense + dense.transpose()));
   if (solver.info() != Eigen::Success) {
@@ -133,28 +118,30 @@ bool DenseInversePairs(const InverseOperator& inverse, Matrix* basis,
   return true;
 }
 
-// Up to `count` further eigenvectors of largest theta.
-Matrix LanczosVectors(const ShiftedFactors& factors, const SparseMatrix& mass,
-                      const Matrix& found, int count) {
-  InverseOperator inverse(factors, mass, found);
-  const Eigen::Index n = inverse.rows();
-  const Eigen::Index subspace =
-      std::min<Eigen::Index>(n, std::max(2 * count + 1, count + 20));
-  Spectra::SymEigsSolver<InverseOperator> solver(inverse, count, subspace);
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestAlge, 300, 1e-11);
-  return solver.eigenvectors();
+// Finds `count` eigenvectors of largest theta beside those found.
+LargestEigenpairs FurtherPairs(const InverseOperator& inverse,
+                               const Matrix& found, int count, double tolerance,
+                               unsigned seed) {
+  BlockLanczosOptions options;
+  options.count = count;
+  options.block = kBlock;
+  options.tolerance = tolerance;
+  options.seed = seed;
+  return BlockLanczos(
+      inverse.rows(), [&](const Matrix& y) { return inverse.Apply(y); }, found,
+      options);
 }
 
 // The computation with all its data.
 class LowestModes {
  public:
   LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
-              int num_modes)
+              int num_modes, std::unique_ptr<ShiftedFactors> factors)
       : mass_(mass),
         stiffness_(stiffness),
         magnitude_(stiffness.cwiseAbs()),
-        num_modes_(num_modes) {}
+        num_modes_(num_modes),
+        factors_(std::move(factors)) {}
 
   bool Compute(SparseModes* modes, std::string* error) {
     const int n = static_cast<int>(mass_.rows());
@@ -206,13 +193,12 @@ class LowestModes {
   // Returns true if K - shift M is positive definite beyond rounding.
   bool IsDefinite(double shift) {
     factors_ = std::make_unique<ShiftedFactors>();
-    return factors_->Factorise(mass_, stiffness_, shift) &&
-           factors_->IsDefinite();
+    return factors_->FactoriseDefinite(mass_, stiffness_, shift);
   }
 
   bool ChooseShift(std::string* error) {
     shift_ = 0.0;
-    if (IsDefinite(0.0)) return true;
+    if (factors_ != nullptr || IsDefinite(0.0)) return true;
     // Finds a shift below the lowest eigenvalue. It starts from a thousandth of
     // the frequency at which the softest DOF would vibrate alone.
     const Vector k = stiffness_.diagonal();
@@ -231,12 +217,9 @@ class LowestModes {
     *error =
         "the stiffness matrix is singular or negative on motions without mass; "
         "constrain or remove them";
-    const Vector& pivots = factors_->pivots();
-    if (pivots.size() > 0 && pivots.allFinite()) {
-      Eigen::Index worst = 0;
-      pivots.minCoeff(&worst);
-      *error += " (DOF " + std::to_string(factors_->DofOfPivot(worst) + 1) +
-                " takes part in one)";
+    const Eigen::Index weakest = factors_->WeakestDof();
+    if (weakest >= 0) {
+      *error += " (DOF " + std::to_string(weakest + 1) + " takes part in one)";
     }
     return false;
   }
@@ -267,14 +250,16 @@ class LowestModes {
     Matrix basis = none;
     int wanted = num_modes_ + 2;
     for (int round = 0; round < 12; ++round) {
+      const InverseOperator inverse(*factors_, mass_);
       if (dense_) {
-        const InverseOperator inverse(*factors_, mass_, none);
         if (!DenseInversePairs(inverse, &basis, error)) return false;
         if (basis.cols() > wanted) basis = Matrix(basis.rightCols(wanted));
       } else {
         const int missing = wanted - static_cast<int>(basis.cols());
         const Matrix further =
-            LanczosVectors(*factors_, mass_, basis, std::max(missing, 2));
+            FurtherPairs(inverse, basis, std::max(missing, 2), 1e-10,
+                         static_cast<unsigned>(round + 1))
+                .vectors;
         Matrix both(basis.rows(), basis.cols() + further.cols());
         both << basis, further;
         basis.swap(both);
@@ -283,7 +268,6 @@ class LowestModes {
         *error = "no mode was found: the Lanczos iteration did not converge";
         return false;
       }
-      const InverseOperator inverse(*factors_, mass_, none);
       if (!RayleighRitz(inverse, basis, &pairs_, &error_bounds_, error)) {
         return false;
       }
@@ -300,7 +284,7 @@ class LowestModes {
         if (dense_) break;
         continue;  // those not converged, or still missing
       }
-      // The factors of the count overwrite those of the modes.
+      // The factors of the count may overwrite those of the modes.
       ExpandShapes();
       const CountResult result = CheckCount(complete);
       if (result == CountResult::kComplete) return true;
@@ -368,6 +352,9 @@ class LowestModes {
       if (!(high - low > kClusterWidth * (high - shift_))) continue;
       // Rigid-body modes form a cluster, whatever their rounded values are.
       if (below < found && IsRigid(below)) continue;
+      if (factors_->Operations() > kMostOperationsOfCount) {
+        return SearchMissed(1.0 / (0.5 * (low + high) - shift_));
+      }
       // Only one set of factors of a large model is kept at a time.
       factors_ = std::make_unique<ShiftedFactors>();
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
@@ -382,6 +369,17 @@ class LowestModes {
       return CountResult::kCannotCount;
     }
     return CountResult::kMissing;  // all that was found is one cluster
+  }
+
+  // Searches for a theta above `bound` beside the pairs that were found.
+  CountResult SearchMissed(double bound) const {
+    const InverseOperator inverse(*factors_, mass_);
+    const LargestEigenpairs rest = FurtherPairs(
+        inverse, pairs_.vectors, 1, kToleranceOfSearch, kSeedOfSearch);
+    if (rest.values.size() == 0) return CountResult::kComplete;
+    if (rest.values[0] > bound) return CountResult::kMissing;
+    return rest.residuals[0] <= kToleranceOfSearch ? CountResult::kComplete
+                                                   : CountResult::kCannotCount;
   }
 
   void Finish(SparseModes* modes) const {
@@ -454,6 +452,12 @@ class LowestModes {
 
 bool ComputeLowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
                         int num_modes, SparseModes* modes, std::string* error) {
+  return ModesFromFactors(nullptr, mass, stiffness, num_modes, modes, error);
+}
+
+bool ModesFromFactors(std::unique_ptr<ShiftedFactors> factors,
+                      const SparseMatrix& mass, const SparseMatrix& stiffness,
+                      int num_modes, SparseModes* modes, std::string* error) {
   CHECK(modes != nullptr);
   CHECK(error != nullptr);
   CHECK_GT(num_modes, 0) << "ask for at least one mode";
@@ -464,9 +468,9 @@ bool ComputeLowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
       << stiffness.rows() << " x " << stiffness.cols()
       << "; both must be square, of the same size and not empty";
   bool success = false;
-  // Spectra and the factorisation throw if memory or iterations run out.
+  // The factorisation throws if memory runs out.
   try {
-    LowestModes computation(mass, stiffness, num_modes);
+    LowestModes computation(mass, stiffness, num_modes, std::move(factors));
     success = computation.Compute(modes, error);
   } catch (const std::exception& problem) {
     *error = problem.what();

@@ -40,7 +40,7 @@ struct SparseModes {
 // are fewer. `mass` and `stiffness` are n x n and symmetric. Massless DOFs add
 // no modes. Aborts if the sizes differ.
 //
-// The method is Lanczos (Spectra) on the inverse of K - shift M. Small models,
+// The method is block Lanczos on the inverse of K - shift M. Small models,
 // and requests for more than a quarter of all modes, use a dense solver of the
 // same inverted pair. M and K may both be singular. shift is 0 for positive
 // definite K, otherwise below all eigenvalues.
@@ -49,7 +49,9 @@ struct SparseModes {
 // be at most 1e-8. The inertia of K - s M, with s above the last mode, gives
 // the number of eigenvalues below s. So no mode of a cluster is missed
 // (Sylvester's law of inertia; B. N. Parlett, The Symmetric Eigenvalue Problem,
-// SIAM 1998, section 3.3).
+// SIAM 1998, section 3.3). Models whose factors take more than 2e9 operations
+// are not counted. There the iteration is repeated from another random start
+// with all modes found left out, and must find no mode below the last.
 //
 // Returns false, with *error and *modes unchanged, if a motion has neither mass
 // nor stiffness, or if the precision does not suffice. Also returns false if a
