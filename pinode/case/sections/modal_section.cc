@@ -170,7 +170,10 @@ class ModeReader {
     for (const char* key :
          {"shape_sigma", "shape_weight", "shape_covariance"}) {
       if (table_.Has(key)) {
-        return table_.Fail(key, std::string("'") + key + "' without 'shape'");
+        return table_.Fail(key, std::string("'") + key +
+                                    "' without 'shape'. Give the shape, or "
+                                    "remove '" +
+                                    key + "'");
       }
     }
     return true;

@@ -174,7 +174,8 @@ class PlanReader {
     CandidateSensor noise;
     if (table.Has("sigma") && table.Has("sigma_percent")) {
       return table.Fail("sigma_percent",
-                        "'sigma_percent' and 'sigma' are both given");
+                        "'sigma_percent' and 'sigma' are both given, expected "
+                        "one of them");
     }
     if (table.Has("sigma")) {
       double factor = 1.0;

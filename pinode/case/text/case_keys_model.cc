@@ -21,7 +21,7 @@ CaseTable RootKeys() {
               {"library", "tables", "", "none",
                "Sums of functions with unknown coefficients."},
               {"unknown_force", "tables", "", "none",
-               "Forces that nobody measured."},
+               "Forces that were not measured."},
               {"network", "tables", "", "none", "Neural networks."},
               {"record", "tables", "", "needed without measured modes",
                "Records: files, ground, forces, motion, covariates, channels, "

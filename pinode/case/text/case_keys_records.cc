@@ -90,9 +90,10 @@ CaseTable RecordKeys() {
            "Filter of the measured channels and their predictions."},
           {"excitation", "\"measured\" or \"ambient\" or \"none\"", "",
            "\"measured\"",
-           "`ambient`: loads that nobody measured act, beside measured ones or "
-           "not; such a record has no motion and no start, and no gain, offset "
-           "or delay. See \"Ambient records\". `none`: the structure is left "
+           "`ambient`: loads that were not measured act, with or without "
+           "measured ones. Such a record has no motion and no start, and no "
+           "gain, offset or delay. See \"Ambient records\". `none`: the "
+           "structure is left "
            "to itself from the first sample (of the window) on."},
           {"ambient", "table", "", "see its keys",
            "Loads of a record with `excitation = \"ambient\"`."},
