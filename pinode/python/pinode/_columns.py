@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arguments import words_of
 from ._arrays import columns_of, is_frame, seconds_of
 from ._part import as_matrix
 from ._pinode import Error
@@ -52,7 +53,13 @@ class Columns:
                 "name of a column"
             )
         self._time = self._free_name("t")
-        self._columns[self._time] = self._times("time", as_matrix(given))
+        times = self._times("time", as_matrix(given))
+        is_array = isinstance(times, np.ndarray)
+        if isinstance(times, (list, bytes, Mapping)) or not hasattr(times, "__iter__") or (
+                is_array and (times.ndim != 1 or times.dtype.kind not in "biuf")):
+            raise Error(f"{self._record}: time is {words_of(given)}, expected a one-dimensional "
+                        "array of numbers or dates")
+        self._columns[self._time] = times
         return self._time
 
     def signal(self, value: Any, name: str, table: dict[str, Any]) -> dict[str, Any]:

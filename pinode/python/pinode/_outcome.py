@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _html, _pinode
 from ._arguments import FLAG, takes, words_of
-from ._part import as_path
+from ._part import as_path, as_text
 from ._pinode import Error
 from ._predicted import RecordResult, predicted
 from ._result_tables import summary_lines, tables
@@ -161,7 +161,7 @@ class Outcome:
             if not records:
                 raise Error("the result has no record")
             name = records[0]["name"]
-        return RecordResult(**self._handle.record(name))
+        return RecordResult(**self._handle.record(as_text("name", name)))
 
     @property
     def records(self) -> dict[str, dict[str, Any]]:

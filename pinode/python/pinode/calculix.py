@@ -24,6 +24,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ._part import as_number, as_path, as_sequence, as_text
 from ._pinode import Error
 from .parts import FiniteElementModel, Group
@@ -96,18 +98,20 @@ def export(
     Raises pinode.Error if the deck has no such set, or if `ccx` is missing or fails.
     """
     deck = Path(as_path("deck", deck)).absolute()
-    sets = [as_text("a set", name) for name in as_sequence("sets", sets)]
-    masses = [as_text("a set of masses", name) for name in as_sequence("masses", masses)]
+    sets = [as_text("sets: a set", name) for name in as_sequence("sets", sets)]
+    masses = [as_text("masses: a set", name) for name in as_sequence("masses", masses)]
     factor, ccx = as_number("factor", factor), as_path("ccx", ccx)
     if not factor > 0.0 or factor in (1.0, float("inf")):
         raise Error(f"factor is {factor!r}, expected a positive number other than 1")
+    place = deck.with_name(deck.stem + "_export")
+    if folder is not None:
+        place = Path(as_path("folder", folder)).absolute()
+    if not isinstance(threads, (int, np.integer)) or isinstance(threads, bool) or threads < 1:
+        raise Error(f"threads is {threads!r:.40}, expected a whole number from 1")
     program = shutil.which(ccx)
     if program is None:
         raise Error(f"there is no program '{ccx}', expected CalculiX (Debian: calculix-ccx)")
     cards = _model_of(_read(deck))
-    place = deck.with_name(deck.stem + "_export")
-    if folder is not None:
-        place = Path(as_path("folder", folder)).absolute()
     # All that can be wrong with a name, before anything is run.
     jobs = [(name, name, "stiffness", _changed(cards, name, factor, deck)) for name in sets]
     jobs += [

@@ -123,7 +123,7 @@ class Case:
 
         path: path of the case for messages and for relative paths.
         """
-        tree = as_mapping("tree", tree)
+        tree, path = as_mapping("tree", tree), as_path("path", path)
         return cls._of(_pinode.CaseHandle.from_tree(tree, path, purpose_of(tree)))
 
     def replace(self, **parts: Any) -> "Case":
@@ -252,7 +252,7 @@ class Case:
     # Actions.
 
     @speaks_python
-    @takes()
+    @takes(overwrite=FLAG)
     def check(
         self,
         *,

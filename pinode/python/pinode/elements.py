@@ -75,14 +75,17 @@ def build(
     """
     if not isinstance(source, (str, os.PathLike)):
         raise Error(f"source is a value of type {type(source).__name__}, expected a text or a path")
+    is_file = isinstance(source, os.PathLike) or "{" not in source
+    if is_file:
+        source = as_path("source", source)
     compiler = as_path("compiler", compiler)
-    if shutil.which(compiler) is None:
-        raise Error(f"the compiler '{compiler}' is not installed, expected one of C++")
     target = Path(as_path("library", library)).absolute()
     paths = [*(as_path("include", path) for path in as_sequence("include", include)), *include_paths()]
+    if shutil.which(compiler) is None:
+        raise Error(f"the compiler '{compiler}' is not installed, expected one of C++")
     with tempfile.TemporaryDirectory() as folder:
-        if isinstance(source, os.PathLike) or "{" not in source:
-            file = Path(as_path("source", source))
+        if is_file:
+            file = Path(source)
             if not os.path.isfile(file):
                 raise Error(f"{file}: is no file, expected a source of C++")
         else:

@@ -26,6 +26,7 @@ from ._drawing import (
     label,
     panels,
 )
+from ._arguments import words_of
 from ._forecast_figures import planned, simulated
 from ._histories import forces, loops, prediction
 from ._modal_figures import fdd, mac
@@ -470,6 +471,9 @@ def _of_results(draw: Callable[..., Any]) -> Callable[..., Any]:
     def call(outcome: Any, *args: Any, **kwargs: Any) -> Any:
         if outcome is None or isinstance(outcome, (numbers.Number, str)) or type(outcome) is dict:
             raise Error(f"figures of a {type(outcome).__name__}, expected a result")
+        most = kwargs.get("most", 1)
+        if not isinstance(most, numbers.Integral) or isinstance(most, bool) or most < 1:
+            raise Error(f"most is {words_of(most)}, expected a whole number from 1")
         try:
             return draw(outcome, *args, **kwargs)
         except AttributeError as failure:

@@ -78,7 +78,7 @@ def frame(outcome: Any, what: str) -> "pandas.DataFrame":
     """
     pandas = _pandas()
     if not isinstance(what, str):
-        raise Error(f"a frame of a {type(what).__name__}, expected a name")
+        raise Error(f"what: a frame of a {type(what).__name__}, expected a name")
     make = _FRAMES.get(what)
     return _record(outcome, what, pandas) if make is None else make(outcome, pandas)
 
@@ -198,7 +198,7 @@ def of_table(columns: "Mapping[str, Any]") -> "pandas.DataFrame":
 
 def _no_such(what: Any, expected: str) -> Error:
     name = f"'{what}'" if isinstance(what, str) else f"a {type(what).__name__}"
-    return Error(f"a frame of {name}, expected {expected}")
+    return Error(f"what: a frame of {name}, expected {expected}")
 
 
 def _rows(pandas: Any, rows: Any, index: str, columns: Any) -> Any:

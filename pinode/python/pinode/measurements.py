@@ -19,20 +19,22 @@ from ._arguments import (
     NAMES,
     NOT_NEGATIVE,
     NUMBER,
+    PATH,
     POSITIVE,
     TEXT,
     VALUES,
     WHOLE,
+    Kind,
     either,
     hint,
     one_of,
     takes,
     words_of,
 )
-from ._arrays import as_array, plain
+from ._arrays import as_array, is_frame, plain
 from ._case_tables import is_for_simulation
 from ._columns import Columns
-from ._part import ArrayLike, Part, as_list, as_sequence, as_text
+from ._part import ArrayLike, Part, as_list, as_path, as_sequence, as_text
 from ._pinode import Error
 
 
@@ -41,6 +43,7 @@ QUANTITIES = ("displacement", "velocity", "relative_acceleration", "absolute_acc
 INTERPOLATIONS = ("held", "linear", "cubic", "band_limited")
 ROLES = ("train", "holdout")
 _CORRECTION = either(NUMBER, MAPPING)
+_FILE = either(PATH, Kind("a frame", is_frame), MAPPING)
 _CHANNEL = {
     "dof": TEXT, "combination": MAPPING, "unit": TEXT, "sigma": NOT_NEGATIVE,
     "sigma_percent": NOT_NEGATIVE, "fit": FLAG, "column": TEXT, "file": ANY,
@@ -161,12 +164,12 @@ def _check_quantity(name: str, quantity: str) -> None:
 def _dimensions(values: Any) -> int:
     """Returns the number of dimensions of an array.
 
-    It is 0 for rows of different lengths, which are refused later.
+    It is 2 for rows of different lengths.
     """
     try:
         return np.ndim(values)
     except ValueError:
-        return 0
+        return 2
 
 
 class Record(Part):
@@ -197,7 +200,7 @@ class Record(Part):
     Raises pinode.Error if arrays have different lengths or if there is no rate.
     """
 
-    @takes(name=TEXT, channels=LIST, step=ANY, sampling_rate_hz=POSITIVE, fs=POSITIVE, ground=MAPPING,
+    @takes(name=TEXT, file=_FILE, channels=LIST, step=ANY, sampling_rate_hz=POSITIVE, fs=POSITIVE, ground=MAPPING,
            force=MAPPING, motion=MAPPING, covariate=MAPPING, interpolation=one_of(*INTERPOLATIONS),
            start=either(TEXT, MAPPING), role=one_of(*ROLES), time_unit=TEXT, time_format=TEXT,
            header_lines=WHOLE, delimiter=TEXT, decimal=TEXT, encoding=TEXT, duration=POSITIVE,
@@ -223,7 +226,7 @@ class Record(Part):
         file: Any = None,
         **keys: Any,
     ) -> None:
-        columns = Columns(name, file)
+        columns = Columns(name, as_path("file", file) if PATH.fits(file) else file)
         sampling_rate_hz = rate_from(f"record '{name}'", step, fs, sampling_rate_hz)
         if sampling_rate_hz is None and time is None and (
                 file is None or columns.file() is not file):
@@ -285,7 +288,7 @@ class Mode(Part):
     name: name in reports.
     """
 
-    @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=ANY, shape_sigma=POSITIVE, name=TEXT,
+    @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=NAMES, shape_sigma=POSITIVE, name=TEXT,
            frequency_weight=NUMBER, shape_row=NUMBER, shape_weight=NUMBER, shape_covariance=ANY,
            frequency_shape_covariance=ANY, residual_weight=NUMBER)
     def __init__(
@@ -310,6 +313,8 @@ class Mode(Part):
                 )
             shape = {dof: value for dof, value in zip(dofs, shape)
                      if not (isinstance(value, float) and np.isnan(value))}
+        elif shape is None and dofs is not None:
+            raise Error("Mode: dofs is given without shape, expected both")
         super().__init__(
             name=name,
             frequency=frequency_hz,

@@ -408,8 +408,8 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
     if is_frame(setup):
         setup = {"values": setup}
     if not isinstance(setup, Mapping) or "values" not in setup:
-        raise Error(f"set-up '{name}': expected {{'values': ..., 'step': ...}}")
-    values = _columns(setup["values"])
+        raise Error(f"records: set-up '{name}': expected {{'values': ..., 'step': ...}}")
+    values = _columns("records", setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
     if values.ndim == 2 and values.shape[0] < count:
         raise Error(
@@ -437,19 +437,23 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
         _derivatives(setup.get("quantity", one["quantity"]), count),
         values,
         step,
-        None if loads is None else _columns(loads),
+        None if loads is None else _columns("loads", loads),
         setup.get("free_decay", one["free_decay"]),
     )
 
 
-def _columns(values: Any) -> np.ndarray:
+def _columns(name: str, values: Any) -> np.ndarray:
     try:
         values = as_array(values)
     except (TypeError, ValueError):
         raise Error(
-            f"records: a value of type {type(values).__name__} is not an array, expected "
+            f"{name}: a value of type {type(values).__name__} is not an array, expected "
             "samples x channels"
         ) from None
+    if values.dtype.kind not in "iuf":
+        raise Error(f"{name} has entries of type {values.dtype}, expected numbers")
+    if values.ndim not in (1, 2):
+        raise Error(f"{name} is {words_of(values)}, expected samples x channels")
     return values[:, None] if values.ndim == 1 else values
 
 

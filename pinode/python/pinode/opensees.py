@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._arguments import ANY, MAPPING, takes
 from ._arrays import as_array
 from ._constrained import ConstrainedModel
 from ._part import as_path
@@ -141,7 +142,8 @@ def equation_names(dofs: Mapping[int, Sequence[int]], size: int) -> list[str]:
     """
     nodes = _equations(dofs)
     most = sum(map(len, nodes.values()))
-    if not isinstance(size, (int, np.integer)) or not 0 < size <= most:
+    is_whole = isinstance(size, (int, np.integer)) and not isinstance(size, bool)
+    if not is_whole or not 0 < size <= most:
         raise Error(f"size is {size!r:.40}, expected from 1 to {most}, the DOFs of all nodes")
     names = [""] * int(size)
     for node, equations in nodes.items():
@@ -250,6 +252,7 @@ def condense(
     )
 
 
+@takes(dofs=MAPPING, equal=ANY, rigid=ANY, coordinates=ANY, translations=ANY)
 def read(
     mass: str | os.PathLike[str],
     stiffness: str | os.PathLike[str],
@@ -257,12 +260,10 @@ def read(
     **keys: Any,
 ) -> CondensedModel:
     """Reads matrices from files of printA and reduces them with `condense`."""
-    return condense(
-        read_matrix(mass),
-        read_matrix(stiffness),
-        None if damping is None else read_matrix(damping),
-        **keys,
-    )
+    paths = [as_path("mass", mass), as_path("stiffness", stiffness)]
+    if damping is not None:
+        paths.append(as_path("damping", damping))
+    return condense(*map(read_matrix, paths), **keys)
 
 
 def _equations(dofs: Any) -> dict[int, list[int]]:

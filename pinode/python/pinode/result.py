@@ -283,10 +283,10 @@ def _baselines(given: Any) -> list[Any]:
         elif isinstance(entry, ResultFolder):
             result.append(str(entry.path))
         elif isinstance(entry, (str, os.PathLike)):
-            result.append(as_path("a baseline", entry))
+            result.append(as_path("baselines: a baseline", entry))
         else:
             raise Error(
-                f"a baseline is a value of type {type(entry).__name__}, expected "
+                f"baselines: a baseline is a value of type {type(entry).__name__}, expected "
                 "a Fit or a result folder"
             )
     return result

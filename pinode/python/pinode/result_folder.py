@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html
-from ._part import as_path
+from ._part import as_flag, as_path
 from ._pinode import Error
 from ._result_tables import CHANGE_HEADER, change_row, tables
 from .case import Case
@@ -182,14 +182,15 @@ class ResultFolder:
 
         sparse: True: returns a CSC matrix of SciPy.
         """
+        is_sparse, file = as_flag("sparse", sparse), self.path / as_path("name", name)
         from scipy.io import mmread
         from scipy.sparse import csc_array
 
         try:
-            matrix = mmread(self.path / as_path("name", name))
+            matrix = mmread(file)
         except (OSError, ValueError) as failure:
-            raise Error(f"{self.path / name}: cannot be read: {failure}") from None
-        if sparse:
+            raise Error(f"{file}: cannot be read: {failure}") from None
+        if is_sparse:
             return csc_array(matrix)
         return matrix.toarray() if hasattr(matrix, "toarray") else matrix
 

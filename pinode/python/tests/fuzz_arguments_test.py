@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import pinode
+from pinode import calculix, elements, figures, frames, opensees
 
 EXAMPLES = int(os.environ.get("PINODE_FUZZ_EXAMPLES", "40"))
 SEED = 20261127
@@ -40,7 +41,14 @@ WRONG = {
     "array": [*NOWHERE[:3], "a", 7, True, {"a": 1}],
     "parts": [*NOWHERE[:3], "a", 7, True, [object()], ["a"], [3]],
     "path": [*NOWHERE, 7.5, [1], {"a": 1}, "a\0b"],
+    "file": [*NOWHERE, 7.5, [1], "a\0b"],
     "record": [*NOWHERE, 7, True, ["r"], {"a": 1}],
+    "damping": [*NOWHERE[:3], 7, True, np.zeros(3), np.zeros((2, 5)), {"ratio": [0.02]}],
+    "samples": [*NOWHERE[:3], 7, True, {"a": 1}, np.zeros((4, 2, 2)), [[1.0], [2.0, 3.0]]],
+    "callback": [*NOWHERE[:4], "a", 7, [1], {"a": 1}],
+    "name": [*NOWHERE, 7, True, ["a"], {"a": 1}],
+    "baselines": [*NOWHERE[:3], 7, True, [object()], [3]],
+    "tree": [*NOWHERE[:3], "a", 7, True, [1.0]],
 }
 
 MODEL = dict(mass=MASS, stiffness=STIFFNESS, damping=frame_testing.DAMPING)
@@ -72,11 +80,13 @@ PARTS = {
         "influence": "mapping"}),
     pinode.ShearBuilding: (pinode.Case, dict(masses=[1.0, 1.0], stiffnesses=[9.0, 9.0],
                                              damping="none"), {
-        "masses": "values", "stiffnesses": "values", "dampers": "values", "dofs": "names"}),
+        "masses": "values", "stiffnesses": "values", "dampers": "values", "damping": "damping",
+        "dofs": "names"}),
     pinode.FiniteElementModel: (pinode.Case, dict(mass=MASS, stiffness=STIFFNESS,
                                                   damping={"ratios": [0.02]}), {
         "mass": "matrix", "stiffness": "matrix", "exported_damping": "matrix",
-        "remove_dofs": "names", "ground_directions": "mapping",
+        "damping": "damping", "dofs": "list", "remove_dofs": "names",
+        "ground_directions": "mapping",
         "expected_frequencies": "values", "frequency_tolerance": "positive",
         "reduction": "mapping"}),
     pinode.Group: (of_case("groups"), dict(name="k1", matrix=frame_testing.STOREYS[0]), {
@@ -84,7 +94,7 @@ PARTS = {
         "storey": "whole", "scale": "number", "factor": "number", "initial": "number",
         "lower": "number", "upper": "number", "prior_mean": "number",
         "prior_sigma": "positive", "free": "flag", "follows": "mapping",
-        "proportional_to": "text", "present": "number"}),
+        "proportional_to": "text", "present": "number", "changed_export": "matrix"}),
     pinode.Element: (of_case("elements"), dict(
         name="e", type="cubic", between=["ground", "u1"], parameters={"k3": pinode.Unknown()}), {
         "name": "text", "type": "text", "between": "names", "parameters": "mapping",
@@ -109,21 +119,23 @@ PARTS = {
         "prior_sigma": "positive", "free": "flag"}),
     pinode.Channel: (lambda part: case(records=[shaken(channels=[part])]), dict(
         name="a", values=FLOORS[:, 0], quantity="absolute_acceleration", dof="u1"), {
-        "name": "text", "quantity": "text", "dof": "text", "combination": "mapping",
+        "name": "text", "values": "samples", "quantity": "text", "dof": "text",
+        "combination": "mapping",
         "unit": "text", "sigma": "number", "sigma_percent": "number", "fit": "flag",
         "scale": "number", "sign": "number", "remove_offset": "flag", "gain": "parameter",
         "delay": "parameter", "offset": "parameter"}),
     pinode.Record: (of_case("records"), dict(
         name="r", step=STEP, ground={"x": GROUND}, interpolation="cubic", start="rest",
         channels=pinode.channels("a", FLOORS, "absolute_acceleration")), {
-        "name": "text", "channels": "parts", "step": "positive", "ground": "mapping",
+        "name": "text", "channels": "parts", "step": "positive", "fs": "positive",
+        "sampling_rate_hz": "positive", "time": "samples", "file": "file", "ground": "mapping",
         "force": "mapping", "motion": "mapping", "covariate": "mapping",
         "interpolation": "text", "start": "number", "role": "text", "window": "values",
         "resample_hz": "positive", "substeps": "whole", "integrator": "text",
         "periodic": "flag", "filter": "mapping", "excitation": "text"}),
     pinode.Mode: (of_case("modes"), dict(frequency_hz=3.0, frequency_sigma=0.1), {
         "frequency_hz": "positive", "frequency_sigma": "positive", "shape": "number",
-        "shape_sigma": "positive", "name": "text"}),
+        "shape_sigma": "positive", "name": "text", "dofs": "names"}),
     pinode.Case: (lambda made: made, dict(model=pinode.Model(**MODEL)), {
         "model": "mapping", "groups": "parts", "elements": "parts", "libraries": "parts",
         "networks": "parts", "unknown_forces": "parts", "records": "parts", "modes": "parts",
@@ -140,12 +152,16 @@ FUNCTIONS = {
         mass=MASS, stiffness=STIFFNESS, response=FLOORS, ground=GROUND, step=STEP,
         callback=stopped), {
         "mass": "matrix", "stiffness": "matrix", "response": "array", "ground": "number",
-        "force": "mapping", "step": "positive", "groups": "parts", "quantity": "text",
+        "force": "mapping", "step": "positive", "fs": "positive",
+        "sampling_rate_hz": "positive", "time": "samples", "damping": "damping",
+        "start": "number", "progress": "flag", "groups": "parts", "quantity": "text",
         "dofs": "names", "at": "names", "interpolation": "text", "sigma": "number",
-        "units": "mapping", "options": "mapping", "callback": "path"}),
+        "units": "mapping", "options": "mapping", "callback": "callback"}),
     "identify_modes": (lambda: pinode.identify_modes, dict(
         records=FLOORS, step=STEP), {
-        "step": "positive", "names": "names", "quantity": "number", "loads": "array",
+        "records": "samples", "step": "positive", "fs": "positive",
+        "sampling_rate_hz": "positive", "time": "samples", "columns": "list",
+        "names": "names", "quantity": "number", "loads": "array",
         "free_decay": "flag", "method": "text", "lowest_hz": "positive",
         "highest_hz": "positive", "block_rows": "whole", "max_order": "whole",
         "max_damping_ratio": "positive", "references": "list", "pick": "list",
@@ -156,25 +172,100 @@ FUNCTIONS = {
     "read_result": (lambda: pinode.read_result, dict(path="none"), {"path": "path"}),
     "Case.identify": (lambda: case().identify, dict(callback=stopped), {
         "begin_from": "record", "profiles": "flag", "threads": "whole", "progress": "flag",
-        "callback": "record", "output": "path", "overwrite": "flag", "resume": "flag",
+        "callback": "callback", "output": "path", "overwrite": "flag", "resume": "flag",
         "mat": "flag"}),
     "Case.simulate": (lambda: case().simulate, {}, {
         "noise_percent": "number", "noise": "text", "seed": "whole"}),
-    "Case.check": (lambda: case().check, {}, {"output": "path", "mat": "flag"}),
+    "Case.check": (lambda: case().check, {}, {
+        "output": "path", "overwrite": "flag", "mat": "flag"}),
     "Case.plan_sensors": (lambda: case().plan_sensors, dict(num_sensors=1), {
-        "num_sensors": "whole", "force_at": "text", "output": "path", "mat": "flag"}),
+        "num_sensors": "whole", "force_at": "text", "output": "path", "overwrite": "flag",
+        "mat": "flag"}),
     "Case.damage": (lambda: case().damage, dict(baselines=["none"]), {
-        "threshold": "number", "false_alarm_rate": "number", "threads": "whole",
-        "progress": "flag", "output": "path"}),
+        "baselines": "baselines", "threshold": "number", "false_alarm_rate": "number",
+        "threads": "whole", "progress": "flag", "callback": "callback", "output": "path",
+        "overwrite": "flag", "resume": "flag", "mat": "flag"}),
     "Case.discover": (lambda: case().discover, {}, {
-        "model": "record", "threads": "whole", "output": "path", "mat": "flag"}),
+        "model": "record", "threads": "whole", "progress": "flag", "callback": "callback",
+        "output": "path", "overwrite": "flag", "resume": "flag", "mat": "flag"}),
+    "Case.from_dict": (lambda: pinode.Case.from_dict, lambda: dict(tree=case().to_dict()), {
+        "tree": "tree", "path": "text"}),
+    "Case.read": (lambda: pinode.Case.read, dict(path="none.toml"), {
+        "path": "path", "simulation": "flag", "planning": "flag"}),
+    "Case.replace": (lambda: case().replace, {}, {
+        "model": "mapping", "groups": "parts", "records": "parts", "title": "text",
+        "options": "mapping"}),
+    "Case.measured": (lambda: case().measured, dict(record="r"), {"record": "name"}),
+    "Case.save": (lambda: case().save, dict(folder="none"), {"folder": "path"}),
     "Fit.predict": (lambda: fit().predict, {}, {"record": "record"}),
     "Fit.plot": (lambda: fit().plot, {}, {"record": "record"}),
+    "Fit.before": (lambda: fit().before, {}, {"record": "name"}),
+    "Fit.record": (lambda: fit().record, {}, {"name": "name"}),
+    "Fit.damage": (lambda: fit().damage, dict(baselines=["none"]), {
+        "baselines": "baselines", "threshold": "number", "false_alarm_rate": "number",
+        "threads": "whole", "progress": "flag", "callback": "callback"}),
+    "Fit.discover": (lambda: fit().discover, {}, {
+        "options": "mapping", "threads": "whole", "progress": "flag",
+        "callback": "callback", "output": "path", "overwrite": "flag", "resume": "flag",
+        "mat": "flag"}),
     "Fit.save": (lambda: fit().save, dict(folder="none"), {
-        "folder": "path", "mat": "flag", "deck": "path"}),
+        "folder": "path", "overwrite": "flag", "mat": "flag", "deck": "path"}),
+    "Fit.to_pandas": (lambda: fit().to_pandas, {}, {"what": "name"}),
+    "Check.to_pandas": (lambda: case().check().to_pandas, {}, {"what": "name"}),
+    "SensorPlan.to_pandas": (lambda: case().plan_sensors(1).to_pandas, {}, {
+        "what": "name"}),
+    "Simulation.save": (lambda: case().simulate().save, dict(folder="none"), {
+        "folder": "path", "overwrite": "flag", "mat": "flag"}),
+    "Simulation.to_pandas": (lambda: case().simulate().to_pandas, {}, {
+        "record": "name"}),
+    "IdentifiedModes.mac": (lambda: found().mac, {}, {"other": "record"}),
+    "IdentifiedModes.plot": (lambda: found().plot, {}, {
+        "what": "name", "record": "name"}),
+    "IdentifiedModes.save": (lambda: found().save, dict(folder="none"), {
+        "folder": "path", "overwrite": "flag", "mat": "flag"}),
+    "IdentifiedModes.to_pandas": (lambda: found().to_pandas, {}, {"what": "name"}),
+    "ResultFolder": (lambda: pinode.ResultFolder, dict(path="none"), {"path": "path"}),
+    "ResultFolder.matrix": (lambda: folder().matrix, dict(name="K"), {
+        "name": "name", "sparse": "flag"}),
+    "ResultFolder.prediction": (lambda: folder().prediction, dict(record="r"), {
+        "record": "name"}),
+    "ResultFolder.response": (lambda: folder().response, dict(record="r"), {
+        "record": "name"}),
+    "ResultFolder.table": (lambda: folder().table, dict(name="parameters"), {
+        "name": "name"}),
+    "ResultFolder.to_pandas": (lambda: folder().to_pandas, dict(name="parameters"), {
+        "name": "name"}),
+    "StructureView.save": (lambda: pinode.StructureView("").save, dict(path="none"), {
+        "path": "path"}),
+    "calculix.element_sets": (lambda: calculix.element_sets, dict(deck="none.inp"), {
+        "deck": "path"}),
+    "calculix.export": (lambda: calculix.export, dict(deck="none.inp", sets=["a"]), {
+        "deck": "path", "sets": "list", "masses": "list", "factor": "positive",
+        "folder": "path", "ccx": "text", "threads": "whole"}),
+    "elements.build": (lambda: elements.build, dict(
+        source="struct A {};", library="a.so", compiler="none"), {
+        "source": "path", "library": "path", "include": "list", "compiler": "text"}),
+    "opensees.read_matrix": (lambda: opensees.read_matrix, dict(path="none"), {
+        "path": "path"}),
+    "opensees.read": (lambda: opensees.read, dict(
+        mass="none", stiffness="none", dofs={1: [0]}), {
+        "mass": "path", "stiffness": "path", "damping": "path"}),
+    "opensees.condense": (lambda: opensees.condense, dict(
+        mass=np.eye(1), stiffness=np.eye(1), dofs={1: [0]}), {
+        "mass": "matrix", "stiffness": "matrix", "damping": "matrix", "dofs": "tree",
+        "equal": "list", "rigid": "list", "coordinates": "tree", "translations": "whole"}),
+    "opensees.equation_names": (lambda: opensees.equation_names, dict(
+        dofs={1: [0]}, size=1), {"dofs": "tree", "size": "whole"}),
+    "frames.frame": (lambda: frames.frame, lambda: dict(
+        outcome=fit(), what="parameters"), {
+        "what": "name"}),
+    "figures.ambient": (lambda: figures.ambient, lambda: dict(outcome=fit()), {
+        "most": "whole"}),
+    "figures.mode_shapes": (lambda: figures.mode_shapes, lambda: dict(outcome=fit()), {
+        "most": "whole"}),
 }
-# Said of callables: what takes a function takes this one.
-CALLABLE = {"callback"}
+# Arguments that stand in for another one.
+INSTEAD = {"fs": "step", "sampling_rate_hz": "step", "time": "step"}
 # Tables, headers and keys of case files.
 FILE_WORDS = re.compile(r"\[\[|\[(?:model|options|units|modes|damage|plan)\]|\.toml|\w = [\[{'\"]"
                         r"|<\w+[.\[]|case file|header")
@@ -184,6 +275,19 @@ def fit():
     if not hasattr(fit, "made"):
         fit.made = case().identify(callback=stopped)
     return fit.made
+
+
+def found():
+    if not hasattr(found, "made"):
+        floors = frame_testing.measure(samples=1000)[1]
+        found.made = pinode.identify_modes(floors, step=STEP, block_rows=20)
+    return found.made
+
+
+def folder():
+    """The folder of a result; the test's own folder is the current one."""
+    fit().save("result", overwrite=True)
+    return pinode.read_result("result")
 
 
 def misspelt(name, draw):
@@ -204,11 +308,10 @@ def assert_named(name, work, shown):
     assert len(text) < 600, (shown, text)
 
 
-def wrong_values(name, kind, draw):
-    value = draw.choice(WRONG[kind])
-    while name in CALLABLE and callable(value):
-        value = draw.choice(WRONG[kind])
-    return value
+def with_wrong(right, name, value):
+    """Arguments of which one is wrong; those that it stands in for are left out."""
+    left_out = INSTEAD.get(name)
+    return {**{key: right[key] for key in right if key != left_out}, name: value}
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.__name__)
@@ -218,30 +321,31 @@ def test_of_constructors(part):
     draw = random.Random(f"{SEED} {part.__name__}")
     for _ in range(EXAMPLES):
         name, kind = draw.choice(sorted(kinds.items()))
-        value = wrong_values(name, kind, draw)
+        value = draw.choice(WRONG[kind])
         shown = f"{part.__name__}({name}={value!r:.60})"
-        assert_named(name, lambda: use(part(**{**right, name: value})), shown)
+        assert_named(name, lambda: use(part(**with_wrong(right, name, value))), shown)
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_of_functions(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     function, right, kinds = FUNCTIONS[name]
-    call = function()
+    call, right = function(), right() if callable(right) else right
     draw = random.Random(f"{SEED} {name}")
     for _ in range(EXAMPLES):
         argument, kind = draw.choice(sorted(kinds.items()))
-        value = wrong_values(argument, kind, draw)
+        value = draw.choice(WRONG[kind])
         shown = f"{name}({argument}={value!r:.60})"
-        assert_named(argument, lambda: call(**{**right, argument: value}), shown)
+        assert_named(argument, lambda: call(**with_wrong(right, argument, value)), shown)
 
 
 @pytest.mark.parametrize("name", [*(part.__name__ for part in PARTS), *FUNCTIONS])
-def test_of_keywords(name):
+def test_of_keywords(name, tmp_path, monkeypatch):
     """Misspelt ones are named, and most often what was meant is too."""
+    monkeypatch.chdir(tmp_path)
     parts = {part.__name__: (lambda part=part: part, *PARTS[part][1:]) for part in PARTS}
     function, right, kinds = {**parts, **FUNCTIONS}[name]
-    call = function()
+    call, right = function(), right() if callable(right) else right
     draw = random.Random(f"{SEED} keywords {name}")
     known = [p.name for p in inspect.signature(call).parameters.values()
              if p.kind is not p.VAR_KEYWORD]
@@ -257,7 +361,36 @@ def test_of_keywords(name):
 def test_all_that_is_public_is_tried():
     """Everything that a user makes or calls; results are made by the package."""
     made = {"Check", "Damage", "Discovery", "Fit", "IdentifiedModes", "Parameter",
-            "RecordResult", "ResultFolder", "SensorPlan", "Simulation", "StructureView",
+            "RecordResult", "SensorPlan", "Simulation", "StructureView",
             "Error", "KeywordError", "__version__"}
     tried = {part.__name__ for part in PARTS} | set(FUNCTIONS)
     assert set(pinode.__all__) - made <= tried
+
+
+# Public classes, with methods that have no argument or are another's. Those of
+# dictionaries and tuples are Python's.
+INHERITED = {"Damage": "Fit", "Discovery": "Fit"}
+
+
+@pytest.mark.parametrize("name", pinode.__all__)
+def test_all_methods_are_tried(name):
+    public = getattr(pinode, name)
+    if not inspect.isclass(public) or issubclass(public, Exception):
+        return
+    for method, function in inspect.getmembers(public, callable):
+        its_own = method not in dir(dict) and method not in dir(tuple)
+        if method.startswith("_") or not its_own:
+            continue
+        if set(inspect.signature(function).parameters) - {"self"}:
+            assert f"{INHERITED.get(name, name)}.{method}" in FUNCTIONS, (name, method)
+
+
+@pytest.mark.parametrize("name", [*(part.__name__ for part in PARTS), *FUNCTIONS])
+def test_all_arguments_are_tried(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    parts = {part.__name__: (lambda part=part: part, *PARTS[part][1:]) for part in PARTS}
+    function, _, kinds = {**parts, **FUNCTIONS}[name]
+    there = {p.name for p in inspect.signature(function()).parameters.values()
+             if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
+    # What is not a result is refused in wrong_types_test.py.
+    assert there - set(kinds) <= {"outcome"}
