@@ -316,11 +316,12 @@ class ModeFinder {
                  HankelWindows* hankel) {
     const Eigen::Index fewest = Eigen::Index{3} * band->block_rows;
     if (level.samples.cols() < fewest || band->max_order < 2) {
-      return Fail(
-          GivenBlockRows(),
-          "has " + std::to_string(level.samples.cols()) +
-              " samples, too few for " + std::to_string(band->block_rows) +
-              " block rows, expected " + std::to_string(fewest) + " and more");
+      return Fail(GivenBlockRows(),
+                  "has " + std::to_string(level.samples.cols()) +
+                      " samples, too few for " +
+                      std::to_string(band->block_rows) +
+                      " block rows, expected " + std::to_string(fewest) +
+                      " and more. Use a longer record, or fewer 'block_rows'");
     }
     *hankel =
         RingDownHankel(level.samples, band->block_rows, band->max_order).hankel;
@@ -341,7 +342,8 @@ class ModeFinder {
                       " samples at " + FormatNumber(1.0 / level.step, 6) +
                       " Hz, too few for " + std::to_string(band->block_rows) +
                       " block rows, expected " +
-                      std::to_string(kFewestWindows * lags) + " and more");
+                      std::to_string(kFewestWindows * lags) +
+                      " and more. Use a longer record, or fewer 'block_rows'");
     }
     band->num_windows =
         static_cast<int>(std::min<Eigen::Index>(hops, kMostWindows));
