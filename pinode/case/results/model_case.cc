@@ -91,8 +91,9 @@ class ModelCaseWriter {
       const GroupTerm& term = dynamics_.groups()[j];
       const std::string file = "group_" + term.group.name + ".mtx";
       TomlValue& table = root_.Find("group")->elements[j];
-      for (const char* key : {"between", "storey", "scale", "proportional_to",
-                              "changed_export", "set_export", "factor"}) {
+      for (const char* key :
+           {"between", "storey", "scale", "proportional_to", "mode",
+            "modes_from", "ratio", "changed_export", "set_export", "factor"}) {
         table.Erase(key);
       }
       table.Set("matrix", TomlValue::String(file));

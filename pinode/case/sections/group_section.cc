@@ -9,6 +9,7 @@
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/case/sections/terms_section.h"
 #include "pinode/case/text/parameter_keys.h"
+#include "pinode/structure/model/damping.h"
 #include "pinode/structure/model/shear_building.h"
 
 namespace pinode {
@@ -37,9 +38,42 @@ bool ReadProportional(const TomlTable& table, const ModelSection& section,
   using InBasis = ReducedStructure::Group::InBasis;
   exported->in_basis = of_mass ? InBasis::kOfMass : InBasis::kOfStiffness;
   exported->scale = scale;
-  group->matrix =
-      GroupInBasis(section.finite_element->structure, Matrix(), exported);
-  return true;
+  std::string error;
+  return GroupInBasis(section.finite_element->structure, exported,
+                      &group->matrix, &error) ||
+         table.Fail("proportional_to", error);
+}
+
+// Reads the damping of one mode, or of all modes from one on.
+bool ReadModes(const TomlTable& table, const ModelSection& section,
+               MatrixGroup* group, ReducedStructure::Group* exported) {
+  const bool one = table.Has("mode");
+  const char* key = one ? "mode" : "modes_from";
+  if (group->target != MatrixGroup::Target::kDamping) {
+    return table.Fail(key,
+                      std::string("'") + key + "' needs adds_to = \"damping\"");
+  }
+  if (!table.RequireKey(
+          "ratio", "the damping ratio that alpha = 1 adds, such as 0.02")) {
+    return false;
+  }
+  const int n = section.model.num_dofs();
+  const int first = table.Integer(key, 1, 1, n);
+  const double ratio = table.PositiveNumber("ratio", 0.02);
+  if (!table.errors()->ok()) return false;
+  exported->in_basis = ReducedStructure::Group::InBasis::kOfModes;
+  exported->scale = ratio;
+  exported->first_mode = first;
+  exported->last_mode = one ? first : 0;
+  const StructuralModel& model = section.model;
+  std::string error;
+  const bool done =
+      section.finite_element != nullptr
+          ? GroupInBasis(section.finite_element->structure, exported,
+                         &group->matrix, &error)
+          : DampingOfModes(model.mass, model.stiffness, first,
+                           exported->last_mode, ratio, &group->matrix, &error);
+  return done || table.Fail(key, error);
 }
 
 // Reads the matrix; *exported is the group over all DOFs of a finite-element
@@ -49,14 +83,20 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   const StructuralModel& model = section.model;
   const bool from_export =
       table.Has("changed_export") || table.Has("set_export");
+  const bool of_modes = table.Has("mode") || table.Has("modes_from");
   const int count = table.Has("between") + table.Has("matrix") +
                     table.Has("storey") + table.Has("proportional_to") +
+                    table.Has("mode") + table.Has("modes_from") +
                     table.Has("changed_export") + table.Has("set_export");
   if (count != 1) {
     return table.Fail("name", "it has " + std::to_string(count) +
                                   " of the keys between, matrix, storey, "
-                                  "proportional_to, changed_export, "
-                                  "set_export; expected exactly one");
+                                  "proportional_to, mode, modes_from, "
+                                  "changed_export, set_export; expected "
+                                  "exactly one");
+  }
+  if (table.Has("ratio") && !of_modes) {
+    return table.Fail("ratio", "'ratio' needs 'mode' or 'modes_from'");
   }
   if (table.Has("factor") && !table.Has("changed_export")) {
     return table.Fail("factor", "'factor' needs 'changed_export'");
@@ -73,6 +113,7 @@ bool ReadGroupMatrix(const TomlTable& table, const ModelSection& section,
   if (from_export) {
     return ReadExportedGroup(table, *section.finite_element, group, exported);
   }
+  if (of_modes) return ReadModes(table, section, group, exported);
   if (table.Has("proportional_to")) {
     return ReadProportional(table, section, group, exported);
   }
@@ -287,7 +328,14 @@ bool ReadGroups(const TomlTable& root, const TermsContext& context,
       return table.Fail("follows", error);
     }
     if (context.model->finite_element != nullptr) {
-      if (exported.matrix.rows() == 0) {
+      // Damping ratios are not written as a matrix: neither those of groups nor
+      // those of the model.
+      const ReducedStructure& structure =
+          context.model->finite_element->structure;
+      const bool is_ratio =
+          exported.in_basis == ReducedStructure::Group::InBasis::kOfModes &&
+          structure.damping.rows() == 0;
+      if (exported.matrix.rows() == 0 && !is_ratio) {
         context.remarks->push_back(
             "Group '" + term.group.name +
             "' belongs to the coordinates of the reduced model. The written "

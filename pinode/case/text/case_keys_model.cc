@@ -247,13 +247,21 @@ CaseTable GroupKeys() {
            "Matrix that the correction alpha K_j (C_j, M_j) is added to."},
           {"between", "texts", "two DOFs, or `ground` and a DOF", "none",
            "A unit spring (damper) between two DOFs, times `scale`. Give this "
-           "or one of the next five keys."},
+           "or one of the next seven keys."},
           {"matrix", "matrix", "", "none", "Any symmetric matrix."},
           {"storey", "whole number", "from 1", "none",
            "Storey of a shear building, with its own stiffness or damper."},
           {"proportional_to", "\"mass\" or \"stiffness\"", "", "none",
            "Of damping: this matrix of the model times `scale`, a part of "
            "Rayleigh's C."},
+          {"mode", "whole number", "from 1", "none",
+           "Of damping: that of one mode of the model with the damping ratio "
+           "`ratio`, as in `damping = {ratios = [...]}`. alpha = 0.5 adds half "
+           "of it."},
+          {"modes_from", "whole number", "from 1", "none",
+           "Of damping: the same for this mode and all higher ones."},
+          {"ratio", "number", "", "needed with `mode` and `modes_from`",
+           "Damping ratio of these modes: 0.02 is 2 % of critical."},
           {"changed_export", "text or matrix file", "", "none",
            "Of a finite-element model: the export with the property of an "
            "element set times `factor`."},

@@ -291,12 +291,15 @@ class Group(Part):
     storey: number of a storey of a shear building, in place of `matrix`.
     changed_export: matrix that was exported with an element set's property times
         `factor`, for a finite-element model. alpha = -0.1 then is a loss of 10 %.
+    mode, ratio: a mode's number and damping ratio, with adds_to="damping": alpha = 0.5
+        adds half of the ratio. modes_from in place of mode: all modes from this one.
     initial, lower, upper, prior_sigma: as for Unknown, of alpha.
     """
 
     @takes(name=TEXT, matrix=MATRIX, adds_to=one_of("stiffness", "damping", "mass"),
            between=NAMES, storey=WHOLE, scale=NUMBER, changed_export=MATRIX, set_export=MATRIX,
-           factor=NUMBER, follows=MAPPING, present=NUMBER, proportional_to=TEXT, **_PARAMETER)
+           factor=NUMBER, follows=MAPPING, present=NUMBER, proportional_to=TEXT,
+           mode=WHOLE, modes_from=WHOLE, ratio=NUMBER, **_PARAMETER)
     def __init__(
         self,
         name: str,

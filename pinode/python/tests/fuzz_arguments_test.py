@@ -94,7 +94,8 @@ PARTS = {
         "storey": "whole", "scale": "number", "factor": "number", "initial": "number",
         "lower": "number", "upper": "number", "prior_mean": "number",
         "prior_sigma": "positive", "free": "flag", "follows": "mapping",
-        "proportional_to": "text", "present": "number", "changed_export": "matrix"}),
+         "proportional_to": "text", "mode": "whole", "modes_from": "whole",
+         "ratio": "number", "present": "number", "changed_export": "matrix"}),
     pinode.Element: (of_case("elements"), dict(
         name="e", type="cubic", between=["ground", "u1"], parameters={"k3": pinode.Unknown()}), {
         "name": "text", "type": "text", "between": "names", "parameters": "mapping",

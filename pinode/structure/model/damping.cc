@@ -115,6 +115,22 @@ bool ModalDamping(const Matrix& mass, const Matrix& stiffness,
   return true;
 }
 
+bool DampingOfModes(const Matrix& mass, const Matrix& stiffness, int first,
+                    int last, double ratio, Matrix* damping,
+                    std::string* error) {
+  const int n = static_cast<int>(mass.rows());
+  if (last == 0) last = n;
+  if (first < 1 || first > last || last > n) {
+    *error = "modal damping: no mode " +
+             std::to_string(first < 1 || first > n ? first : last) +
+             ", expected 1 to " + std::to_string(n);
+    return false;
+  }
+  Vector ratios = Vector::Zero(n);
+  ratios.segment(first - 1, last - first + 1).setConstant(ratio);
+  return ModalDamping(mass, stiffness, ratios, damping, error);
+}
+
 bool DampingBy(const DampingRule& rule, const Matrix& mass,
                const Matrix& stiffness, Matrix* damping, std::string* error) {
   switch (rule.kind) {

@@ -49,6 +49,14 @@ Matrix RayleighDamping(const Matrix& mass, const Matrix& stiffness,
                                 const Vector& ratios, Matrix* damping,
                                 std::string* error);
 
+// Computes the part of ModalDamping of some modes: C has `ratio` in the modes
+// `first` to `last` and none in the others. Modes count from 1, as in
+// ModalDamping; `last` = 0 is the highest. Fails as ModalDamping does, and if
+// there are no such modes.
+[[nodiscard]] bool DampingOfModes(const Matrix& mass, const Matrix& stiffness,
+                                  int first, int last, double ratio,
+                                  Matrix* damping, std::string* error);
+
 // Rule that gives the damping of a model for any M and K.
 struct DampingRule {
   enum class Kind { kNone, kRayleigh, kRatios, kMatrix };

@@ -158,6 +158,34 @@ TEST(ModalDamping, LeavesRigidBodiesUndamped) {
   EXPECT_GT(damping.norm(), 0.1);
 }
 
+TEST(DampingOfModes, IsThePartOfSomeModes) {
+  const MassAndStiffness frame = Frame();
+  Matrix some;
+  std::string error;
+  ASSERT_TRUE(
+      DampingOfModes(frame.mass, frame.stiffness, 2, 3, 0.05, &some, &error))
+      << error;
+  const ModalProperties modes = Modes(frame.mass, some, frame.stiffness);
+  const double expected[] = {0.0, 0.05, 0.05, 0.0};
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(modes.damping_ratio[i], expected[i], 1e-13) << i;
+  }
+  // Up to the highest; the parts are the whole.
+  Matrix first, rest, whole;
+  ASSERT_TRUE(
+      DampingOfModes(frame.mass, frame.stiffness, 1, 1, 0.05, &first, &error));
+  ASSERT_TRUE(
+      DampingOfModes(frame.mass, frame.stiffness, 2, 0, 0.05, &rest, &error));
+  ASSERT_TRUE(ModalDamping(frame.mass, frame.stiffness,
+                           Vector::Constant(1, 0.05), &whole, &error));
+  EXPECT_LT((first + rest - whole).norm(), 1e-13 * whole.norm());
+  for (const auto& [from, to] : {std::pair{0, 1}, {5, 0}, {3, 2}, {1, 5}}) {
+    EXPECT_FALSE(DampingOfModes(frame.mass, frame.stiffness, from, to, 0.05,
+                                &some, &error));
+    EXPECT_THAT(error, HasSubstr("expected 1 to 4")) << from << " " << to;
+  }
+}
+
 TEST(ModalDamping, RefusesBadInput) {
   const MassAndStiffness frame = Frame();
   const auto message = [](const Matrix& mass, const Matrix& stiffness,

@@ -37,6 +37,17 @@ Matrix WithRemovedDofs(const Matrix& basis, const std::vector<int>& removed) {
   return expansion;
 }
 
+// T' M_b T and T' K_b T.
+struct CoordinatesAtBasis {
+  Matrix mass, stiffness;
+};
+
+CoordinatesAtBasis AtBasis(const ReducedStructure& structure) {
+  return {ReduceMatrix(structure.mass_at_basis, structure.expansion),
+          ReduceMatrix(structure.stiffness_at_basis, structure.expansion,
+                       structure.reduced.rigid_body_motions)};
+}
+
 }  // namespace
 
 bool SetBasisPoint(const std::vector<GroupAtBasis>& groups,
@@ -126,12 +137,10 @@ bool MakeReducedModel(ReducedStructure* structure, StructuralModel* model,
   structure->damping = structure->exported.damping;
   if (structure->damping_rule.has_value()) {
     const DampingRule& rule = *structure->damping_rule;
-    const Matrix mass =
-        ReduceMatrix(structure->mass_at_basis, structure->expansion);
-    const Matrix stiffness =
-        ReduceMatrix(structure->stiffness_at_basis, structure->expansion,
-                     reduced.rigid_body_motions);
-    if (!DampingBy(rule, mass, stiffness, &result.damping, error)) return false;
+    const CoordinatesAtBasis at = AtBasis(*structure);
+    if (!DampingBy(rule, at.mass, at.stiffness, &result.damping, error)) {
+      return false;
+    }
     const Eigen::Index n = structure->exported.num_dofs();
     if (rule.kind == DampingRule::Kind::kNone) {
       structure->damping = SparseMatrix(n, n);
@@ -145,17 +154,30 @@ bool MakeReducedModel(ReducedStructure* structure, StructuralModel* model,
   return true;
 }
 
-Matrix GroupInBasis(const ReducedStructure& structure, const Matrix& before,
-                    ReducedStructure::Group* group) {
+bool GroupInBasis(const ReducedStructure& structure,
+                  ReducedStructure::Group* group, Matrix* matrix,
+                  std::string* error) {
   using InBasis = ReducedStructure::Group::InBasis;
-  if (group->in_basis == InBasis::kSame) return before;
-  if (group->in_basis != InBasis::kReduced) {
-    group->matrix = group->scale * (group->in_basis == InBasis::kOfMass
-                                        ? structure.mass_at_basis
-                                        : structure.stiffness_at_basis);
+  switch (group->in_basis) {
+    case InBasis::kSame:
+      return true;
+    case InBasis::kOfModes: {
+      const CoordinatesAtBasis at = AtBasis(structure);
+      return DampingOfModes(at.mass, at.stiffness, group->first_mode,
+                            group->last_mode, group->scale, matrix, error);
+    }
+    case InBasis::kOfMass:
+      group->matrix = group->scale * structure.mass_at_basis;
+      break;
+    case InBasis::kOfStiffness:
+      group->matrix = group->scale * structure.stiffness_at_basis;
+      break;
+    case InBasis::kReduced:
+      break;
   }
-  return ReduceMatrix(group->matrix, structure.expansion,
-                      structure.reduced.rigid_body_motions);
+  *matrix = ReduceMatrix(group->matrix, structure.expansion,
+                         structure.reduced.rigid_body_motions);
+  return true;
 }
 
 ReducedStructure::Group SpringGroup(const ReducedStructure& structure,

@@ -33,10 +33,13 @@ struct ReducedStructure {
     // coordinates alone.
     SparseMatrix matrix;
     // Matrix in the coordinates: the same in every basis (given for them, or a
-    // spring between two of them), T' A T, or that of a multiple of M_b or K_b.
-    enum class InBasis { kSame, kReduced, kOfMass, kOfStiffness };
+    // spring between two of them), T' A T, that of a multiple of M_b or K_b, or
+    // the damping of modes of T' M_b T and T' K_b T.
+    enum class InBasis { kSame, kReduced, kOfMass, kOfStiffness, kOfModes };
     InBasis in_basis = InBasis::kSame;
-    double scale = 1.0;  // the multiple
+    double scale = 1.0;  // the multiple; kOfModes: the damping ratio
+    // kOfModes: the first and the last mode, as in DampingOfModes.
+    int first_mode = 1, last_mode = 0;
     // True for exports: a change alpha of the group means 1 + alpha times the
     // contribution of the element set, which can be entered in the FE program.
     bool is_element_set = false;
@@ -110,11 +113,13 @@ struct GroupAtBasis {
 [[nodiscard]] bool MakeReducedModel(ReducedStructure* structure,
                                     StructuralModel* model, std::string* error);
 
-// Returns the matrix of a group in the coordinates, which was `before` in
-// another basis. For a group in proportion to M_b or K_b, also sets the matrix
-// over all DOFs.
-Matrix GroupInBasis(const ReducedStructure& structure, const Matrix& before,
-                    ReducedStructure::Group* group);
+// Computes the matrix of a group in the coordinates, given that of another
+// basis in *matrix. For a group in proportion to M_b or K_b, also sets the
+// matrix over all DOFs. Returns false, with *error, if the group is the damping
+// of modes and DampingOfModes fails.
+[[nodiscard]] bool GroupInBasis(const ReducedStructure& structure,
+                                ReducedStructure::Group* group, Matrix* matrix,
+                                std::string* error);
 
 // Returns a spring of stiffness `scale` between two of the coordinates (-1: the
 // ground) over all DOFs. Its matrix is 0 x 0 if an end is a coordinate of a

@@ -80,8 +80,10 @@ bool Rebuild(const IdentificationProblem& from, ReducedStructure* structure,
   StructureTerms terms = TermsOf(before);
   for (size_t j = 0; j < terms.groups.size(); ++j) {
     MatrixGroup& group = terms.groups[j].group;
-    group.matrix =
-        GroupInBasis(*structure, group.matrix, &structure->groups[j]);
+    if (!GroupInBasis(*structure, &structure->groups[j], &group.matrix,
+                      error)) {
+      return false;
+    }
     for (GroupCurve& curve : terms.group_curves) {
       if (curve.name == group.name) curve.group.matrix = group.matrix;
     }

@@ -65,8 +65,9 @@ class RenewedBasisTest : public ::testing::Test {
     for (size_t j = 0; j < 3; ++j) {
       GroupTerm term;
       term.group.name = term.alpha.name = kNames[j];
-      term.group.matrix =
-          GroupInBasis(rod, 100.0 * SpringMatrix(2, 0, 1), &rod.groups[j]);
+      term.group.matrix = 100.0 * SpringMatrix(2, 0, 1);
+      ASSERT_TRUE(GroupInBasis(rod, &rod.groups[j], &term.group.matrix, &error))
+          << error;
       terms.groups.push_back(term);
     }
     terms.groups[1].present = 2.0;
