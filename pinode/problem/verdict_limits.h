@@ -53,6 +53,12 @@ constexpr double kLinearTermsTolerance = 1.001;
 
 // Measured modes.
 
+// Probability of errors as large as those of measured modes, by their standard
+// deviations (chi^2), below which the model or the deviations are wrong. A mode
+// misread by 5 %, a mass off by 30 % and the like left 6 to 37 times the
+// degrees of freedom.
+constexpr double kModesProbability = 1e-4;
+
 // Largest distance of a measured mode from its partner: the logarithm of the
 // ratio of frequencies (35 %), and the MAC.
 constexpr double kModeDistance = 0.3;

@@ -11,6 +11,7 @@
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/block_estimates.h"
 #include "pinode/study/explanations/confusions.h"
+#include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/explanations/refit_search.h"
 #include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/terms/term_worth.h"
@@ -25,11 +26,13 @@ constexpr size_t kMostReported = 5;
 class Report {
  public:
   Report(const IdentificationProblem& problem, const FitSummary& fit,
-         const RefitSearch& search)
+         const std::vector<Suspect>& suspects, const SuspectScores& scores,
+         const std::vector<Refit>& refits)
       : problem_(problem),
         fit_(fit),
-        suspects_(search.suspects()),
-        search_(search) {}
+        suspects_(suspects),
+        scores_(scores),
+        refits_(refits) {}
 
   Explained Make() {
     Explained result;
@@ -45,8 +48,7 @@ class Report {
   void AddConfusion(std::vector<Finding>* findings) const {
     // Damping that is free itself takes over what the factor does.
     if (HasFreeDamping()) return;
-    for (const Confusion& confusion :
-         FindConfusions(suspects_, search_.scores())) {
+    for (const Confusion& confusion : FindConfusions(suspects_, scores_)) {
       if (suspects_[confusion.suspect].kind != Suspect::Kind::kDamping ||
           confusion.names.size() < 2) {
         continue;
@@ -81,14 +83,13 @@ class Report {
   void AddExplanations(Explained* result) const {
     // The fit as it is has the odds 1.
     double sum = 1.0;
-    const double most = search_.refits().empty()
-                            ? 0.0
-                            : std::max(0.0, search_.refits().front().log_odds);
+    const double most =
+        refits_.empty() ? 0.0 : std::max(0.0, refits_.front().log_odds);
     sum = std::exp(-most);
-    for (const Refit& refit : search_.refits()) {
+    for (const Refit& refit : refits_) {
       sum += std::exp(refit.log_odds - most);
     }
-    for (const Refit& refit : search_.refits()) {
+    for (const Refit& refit : refits_) {
       if (!(refit.log_odds > 0.0) ||
           result->explanations.size() == kMostReported) {
         break;
@@ -112,7 +113,7 @@ class Report {
       result->findings.push_back(
           {"another_explanation",
            explanation.what + " would describe the records better, with " +
-               MovedValue(explanation, search_.refits()[i]),
+               MovedValue(explanation, refits_[i]),
            explanation.shift, limits::kShiftByExplanation,
            "check it, or leave it free in the model", Grade::kWithCare});
       break;
@@ -161,10 +162,8 @@ class Report {
     result.lower95 = first.lower;
     result.upper95 = first.upper;
     result.log_odds = refit.log_odds;
-    const double before = SquaredError(fit_);
-    if (before > 0.0) {
-      result.removes = 1.0 - SquaredError(refit.fit) / before;
-    }
+    const double before = ErrorOf(fit_);
+    if (before > 0.0) result.removes = 1.0 - ErrorOf(refit.fit) / before;
     result.leaves = LeftBy(refit.fit);
     // Damping that is described in another way takes over from the groups.
     const bool changes_damping = std::any_of(
@@ -192,6 +191,13 @@ class Report {
       result.moved = force.name;
     }
     return result;
+  }
+
+  // Squared error of what is fitted: records, or measured modes alone.
+  static double ErrorOf(const FitSummary& fit) {
+    return SquaredError(fit) + (std::isfinite(fit.final_modal_cost)
+                                    ? 2.0 * fit.final_modal_cost
+                                    : 0.0);
   }
 
   // Unexplained motion, as Explanation::leaves.
@@ -267,7 +273,6 @@ class Report {
   // Intervals that hold what the best explanation makes of each parameter, and
   // what all suspects of usual size together would.
   void Widen(Explained* result) const {
-    const SuspectScores& scores = search_.scores();
     for (const ParameterEstimate& own : fit_.parameters) {
       if (!own.free) continue;
       ExplainedValue wide{own.name, own.value, own.lower95, own.upper95};
@@ -275,12 +280,12 @@ class Report {
         if (std::isfinite(lower)) wide.lower95 = std::min(wide.lower95, lower);
         if (std::isfinite(upper)) wide.upper95 = std::max(wide.upper95, upper);
       };
-      for (size_t j = 0; j < scores.names.size(); ++j) {
-        if (scores.names[j] != own.name) continue;
+      for (size_t j = 0; j < scores_.names.size(); ++j) {
+        if (scores_.names[j] != own.name) continue;
         const Eigen::Index i = static_cast<Eigen::Index>(j);
-        if (i >= scores.usual_shifts.size()) continue;
-        const double moved = own.value + scores.usual_shifts[i];
-        const double half = 1.96 * scores.usual_deviations[i];
+        if (i >= scores_.usual_shifts.size()) continue;
+        const double moved = own.value + scores_.usual_shifts[i];
+        const double half = 1.96 * scores_.usual_deviations[i];
         include(moved - half, moved + half);
       }
       if (!result->explanations.empty() &&
@@ -294,14 +299,15 @@ class Report {
     result->forces = fit_.forces;
     if (!result->explanations.empty() &&
         result->explanations[0].log_odds > limits::kLogOdds) {
-      WidenForces(search_.refits()[0].fit.forces, &result->forces);
+      WidenForces(refits_[0].fit.forces, &result->forces);
     }
   }
 
   const IdentificationProblem& problem_;
   const FitSummary& fit_;
   const std::vector<Suspect>& suspects_;
-  const RefitSearch& search_;
+  const SuspectScores& scores_;
+  const std::vector<Refit>& refits_;
 };
 
 }  // namespace
@@ -314,13 +320,43 @@ bool CanExplain(const IdentificationProblem& problem,
          CommunicatorOrSingle(options.communicator).size() == 1;
 }
 
+namespace {
+
+Explained ExplainModes(const IdentificationProblem& problem,
+                       const IdentificationOptions& options,
+                       const FitSummary& fit, const IdentifiedModel& model,
+                       InnerFit* inner) {
+  ModesSearch search(problem, options, fit, model, inner);
+  if (!search.Run()) return {};
+  Explained result =
+      Report(problem, fit, search.suspects(), {}, search.refits()).Make();
+  const double ratio = std::sqrt(search.SquaredErrorLeft());
+  result.findings.push_back(
+      {"modes_beyond_deviations",
+       "the errors of the measured modes are " + FormatNumber(ratio, 3) +
+           " times what their standard deviations allow",
+       ratio, kNaN,
+       "check the modes and their standard deviations, or free what the model "
+       "lacks",
+       Grade::kWithCare});
+  return result;
+}
+
+}  // namespace
+
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner) {
+  if (IsOfModes(problem) &&
+      CommunicatorOrSingle(options.communicator).size() == 1) {
+    return ExplainModes(problem, options, fit, model, inner);
+  }
   if (!CanExplain(problem, options)) return {};
   RefitSearch search(problem, options, fit, model, inner);
   if (!search.Run()) return {};
-  Explained result = Report(problem, fit, search).Make();
+  Explained result =
+      Report(problem, fit, search.suspects(), search.scores(), search.refits())
+          .Make();
   BlockEstimates blocks;
   if (EstimateBlocks(problem, fit, model, options.num_threads, &blocks)) {
     WidenByBlocks(blocks, fit, problem, &result.intervals);

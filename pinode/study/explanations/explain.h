@@ -28,8 +28,8 @@ struct Explained {
   std::vector<ForceEstimate> forces;
 };
 
-// False for problems of which Explain finds nothing: with networks, measured
-// modes or ambient records, and on several ranks.
+// True for problems of records, whose suspects have scores: without networks,
+// measured modes or ambient records, and not on several ranks.
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options);
 
@@ -44,7 +44,8 @@ bool CanExplain(const IdentificationProblem& problem,
 // with the number of samples N_c and RMS errors e_c, e'_c of each fitted
 // channel before and after, and the memory m of the residuals of the refit
 // (mean autocorrelation time, in samples): Schwarz's criterion (G. Schwarz,
-// Ann. Statist. 6 (1978) 461-464).
+// Ann. Statist. 6 (1978) 461-464). Measured modes alone are explained by
+// ModesSearch. Other problems have no explanations.
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner);

@@ -8,26 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "pinode/base/constants.h"
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"
+#include "pinode/study/explanations/refit.h"
 #include "pinode/study/explanations/score_test.h"
 #include "pinode/study/explanations/suspect.h"
 #include "pinode/study/problem/inner_fit.h"
 
 namespace pinode {
-
-// A fit with suspects among its unknowns.
-struct Refit {
-  std::vector<size_t> suspects;
-  IdentificationProblem problem;
-  FitSummary fit;
-  IdentifiedModel model;
-  // Logarithm of its odds against the fit without them, see Explain.
-  double log_odds = -kInfinity;
-};
 
 // Looks for the suspects that describe the records better than the fit does
 // without them. Score tests rank them; the best few are refitted, singly and

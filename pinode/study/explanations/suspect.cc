@@ -1,7 +1,9 @@
 #include "pinode/study/explanations/suspect.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
+#include <set>
 
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/law_term.h"
@@ -126,6 +128,8 @@ const char* SuspectKindName(Suspect::Kind kind) {
       return "sensors_exchanged";
     case Suspect::Kind::kForcePlace:
       return "force_place";
+    case Suspect::Kind::kMode:
+      return "mode";
   }
   return "";
 }
@@ -152,6 +156,14 @@ bool AddSuspects(const std::vector<Suspect>& suspects,
       std::swap(ChannelAt(one, &result)->values,
                 ChannelAt(two, &result)->values);
     }
+  }
+  std::set<int, std::greater<int>> left_out;
+  for (const Suspect& suspect : suspects) {
+    left_out.insert(suspect.left_out_modes.begin(),
+                    suspect.left_out_modes.end());
+  }
+  for (const int mode : left_out) {
+    result.modal.modes.erase(result.modal.modes.begin() + mode);
   }
   const bool has_forces = std::any_of(
       suspects.begin(), suspects.end(),

@@ -30,6 +30,7 @@ struct Suspect {
     kClockRate,        // of the logger
     kExchange,         // two sensors in each other's place
     kForcePlace,       // another place of an unknown force
+    kMode,             // a measured mode that is left out
   };
 
   // Unknown of sensors, shared by these channels (record, channel).
@@ -53,6 +54,8 @@ struct Suspect {
     Vector outputs;
   };
   std::vector<ForceAt> moved_forces;
+  // Measured modes that are left out, by index.
+  std::vector<int> left_out_modes;
   // Two channels of a record that exchange their values.
   std::vector<std::pair<std::pair<int, int>, std::pair<int, int>>> exchanged;
 
@@ -68,7 +71,8 @@ struct Suspect {
   // True if it changes the problem at once: it has no infinitesimal part that a
   // score test could see.
   bool IsDiscrete() const {
-    return !exchanged.empty() || !moved_forces.empty();
+    return !exchanged.empty() || !moved_forces.empty() ||
+           !left_out_modes.empty();
   }
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;

@@ -1,0 +1,76 @@
+// Refits of measured modes with what a model may lack among their unknowns.
+
+#ifndef PINODE_STUDY_EXPLANATIONS_MODES_SEARCH_H_
+#define PINODE_STUDY_EXPLANATIONS_MODES_SEARCH_H_
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identification_options.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identified_model.h"
+#include "pinode/study/explanations/refit.h"
+#include "pinode/study/explanations/suspect.h"
+#include "pinode/study/problem/inner_fit.h"
+
+namespace pinode {
+
+// True for problems of measured modes alone, all with standard deviations.
+bool IsOfModes(const IdentificationProblem& problem);
+
+// Looks for the suspects that describe measured modes better than the fit does
+// without them. Modes are few and their fits short, so that every suspect is
+// refitted, singly and added to the best: masses, stiffness outside of groups,
+// and modes left out. It does nothing where the errors of the modes are what
+// their standard deviations allow.
+//
+// The log odds of a refit with k unknowns among n candidates are those of
+// Explain,
+//
+//   N / 2 log(s / s') - k / 2 log N - log n,
+//
+// with the number N of measured numbers and their mean squared errors s, s' in
+// standard deviations before and after. Less than 1 counts as 1. The numbers of
+// a mode that is left out are unknowns.
+class ModesSearch {
+ public:
+  // Refers to all arguments.
+  ModesSearch(const IdentificationProblem& problem,
+              const IdentificationOptions& options, const FitSummary& fit,
+              const IdentifiedModel& model, InnerFit* inner);
+
+  // False if the errors are what the standard deviations allow.
+  bool Run();
+
+  const std::vector<Suspect>& suspects() const { return suspects_; }
+  // Best first.
+  const std::vector<Refit>& refits() const { return refits_; }
+  // Mean squared error in standard deviations, per degree of freedom that is
+  // left.
+  double SquaredErrorLeft() const;
+
+ private:
+  void AddModes();
+  void Try(const Refit& from, std::vector<size_t> suspects);
+  double LogOdds(const Refit& refit) const;
+  double MeanSquare(const FitSummary& fit) const;
+  const Refit* Best() const;
+
+  const IdentificationProblem& problem_;
+  IdentificationOptions options_;
+  const FitSummary& fit_;
+  const IdentifiedModel& model_;
+  InnerFit& inner_;
+  std::vector<Suspect> suspects_;
+  int num_measured_ = 0;
+  double left_ = 0.0;
+  std::vector<Refit> refits_;
+  std::set<std::set<size_t>> tried_;
+  bool interrupted_ = false;
+};
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_EXPLANATIONS_MODES_SEARCH_H_
