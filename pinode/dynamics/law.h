@@ -13,7 +13,7 @@ namespace pinode {
 //   dz/dt     = r(q, z; p)      one value per internal state
 //
 // q are the features (see Feature), z the internal states of a hysteretic law,
-// and p its parameters, all in the model's units. The law needs no knowledge of
+// and p its parameters, all in the model's units. The law does not depend on
 // these units. AutoDiffLaw (autodiff_law.h) makes a law from a functor on a
 // template scalar. Laws have no mutable state, so all functions may be called
 // from several threads.

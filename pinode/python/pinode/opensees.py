@@ -12,8 +12,8 @@ command `nodeDOFs(tag)` returns the equations of a node's DOFs (-1: fixed).
     case = pinode.Case(pinode.Model(model.mass, model.stiffness, {"ratios": [0.02]},
                                     dofs=model.dofs, influence=model.influence))
 
-Use the whole model if rotations have no mass and groups of elements may have changed
-much:
+Use the whole model if rotations have no mass and the stiffness of groups may differ
+much from the initial one:
 
     case = pinode.Case(model.whole(damping={"ratios": [0.02]}),
                        groups=[model.group("k1", K1)])
