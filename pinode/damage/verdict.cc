@@ -184,8 +184,8 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
         missed.Hides(change.change)) {
       reason = Reason::kModelError;
     }
-    if (HasChanged(reason) && !estimate.has_between_records &&
-        j < missed.within_doubt.size() && missed.within_doubt[j]) {
+    if (HasChanged(reason) && j < missed.within_doubt.size() &&
+        missed.within_doubt[j]) {
       reason = Reason::kOtherExplanation;
     }
     reasons.push_back(reason);

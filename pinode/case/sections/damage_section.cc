@@ -82,7 +82,7 @@ bool ReadDamage(const TomlTable& root, const IdentificationProblem& problem,
   if (table.Has("masses")) {
     if (!ReadMasses(table, model, search)) return false;
   } else if (asked("mass")) {
-    search->masses = MeasuredMasses(problem);
+    search->masses = PlacesOfMasses(problem);
   }
   search->damping = asked("damping") && HasFixedDamping(*problem.dynamics);
   search->stiffness = asked("stiffness") && problem.num_train_records() > 0;

@@ -14,7 +14,9 @@
 #include "pinode/study/damage/change_explanations.h"
 #include "pinode/study/damage/change_refit.h"
 #include "pinode/study/damage/healthy_records.h"
+#include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/damage/wide_state.h"
+#include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/inner_fit.h"
 
@@ -271,7 +273,8 @@ class Analyst {
     if (!ExplainChange(options, error)) return false;
     SayWhatDiffers(healthy, current);
     MissedMotion missed = Missed();
-    missed.within_doubt = WithinDoubt(healthy, options);
+    missed.within_doubt = WithinDoubt(healthy, current, options);
+    if (IsOfModes(problem_)) LookForMass(healthy, &missed.within_doubt);
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_, missed);
     if (missed.IsMore() &&
@@ -320,9 +323,12 @@ class Analyst {
   // Per subject, see MissedMotion. Several baselines show themselves how much
   // records differ.
   std::vector<bool> WithinDoubt(const std::vector<GroupState>& healthy,
+                                const GroupState& current,
                                 const ChangeOptions& options) const {
     std::vector<bool> within(result_.subjects.size(), false);
     if (healthy.size() != 1) return within;
+    const std::vector<ExplainedValue>& reach_then = baselines_[0].doubts.reach;
+    const bool any_doubt = !reach_then.empty() || !doubts_.reach.empty();
     for (size_t j = 0; j < groups_.size(); ++j) {
       const double before = healthy[0].values[static_cast<Eigen::Index>(j)];
       const double change = result_.estimate.groups[j].change;
@@ -334,9 +340,11 @@ class Analyst {
         within[j] = !IsLikeChange(moved, *under, options_.threshold * scale);
         continue;
       }
-      const ExplainedValue then =
-          OffsetsOf(baselines_[0].doubts.reach, groups_[j]);
-      const ExplainedValue now = OffsetsOf(doubts_.reach, groups_[j]);
+      ExplainedValue then = OffsetsOf(reach_then, groups_[j]);
+      ExplainedValue now = OffsetsOf(doubts_.reach, groups_[j]);
+      // One that is in no doubt has its interval beside the other's reach.
+      if (any_doubt && reach_then.empty()) Widen(healthy[0], j, &then);
+      if (any_doubt && doubts_.reach.empty()) Widen(current, j, &now);
       within[j] = moved >= then.lower95 - now.upper95 &&
                   moved <= then.upper95 - now.lower95;
     }
@@ -352,6 +360,31 @@ class Analyst {
                   (moved >= -now.upper95 && moved <= -now.lower95);
     }
     return within;
+  }
+  static void Widen(const GroupState& state, size_t j,
+                    ExplainedValue* offsets) {
+    const auto i = static_cast<Eigen::Index>(j);
+    offsets->upper95 = 1.96 * std::sqrt(std::max(state.covariance(i, i), 0.0));
+    offsets->lower95 = -offsets->upper95;
+  }
+  // A mass may have been added, which modes hardly tell from changed stiffness.
+  void LookForMass(const std::vector<GroupState>& healthy,
+                   std::vector<bool>* within) {
+    std::vector<std::string> changed;
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      if (result_.estimate.groups[j].changed) changed.push_back(groups_[j]);
+    }
+    if (changed.empty()) return;
+    const std::string mass =
+        MassInstead(problem_, identification_, fit_of_new_.model, groups_,
+                    healthy, changed, &inner_);
+    if (mass.empty()) return;
+    for (size_t j = 0; j < groups_.size(); ++j) {
+      if (result_.estimate.groups[j].changed) (*within)[j] = true;
+    }
+    result_.remarks.push_back(
+        "The modes may show a mass instead of changed stiffness: " + mass +
+        ".");
   }
   // Returns how far a group that has `moved` has moved if one explanation of
   // what the model lacks holds for the healthy records and the new ones;

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/study/explanations/ungrouped_stiffness.h"
 
 namespace pinode {
 namespace {
@@ -77,24 +78,33 @@ DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
   return place;
 }
 
-std::vector<DamageSearch::MassPlace> MeasuredMasses(
+std::vector<DamageSearch::MassPlace> PlacesOfMasses(
     const IdentificationProblem& problem) {
   const StructuralModel& model = problem.dynamics->model();
   std::vector<DamageSearch::MassPlace> places;
+  const auto add = [&](Eigen::Index dof) {
+    const DamageSearch::MassPlace place =
+        PlaceOfMass(model, NodeOf(model.dof_names[static_cast<size_t>(dof)]));
+    const bool known = std::any_of(places.begin(), places.end(),
+                                   [&](const DamageSearch::MassPlace& other) {
+                                     return other.name == place.name;
+                                   });
+    if (!known && !place.dofs.empty()) places.push_back(place);
+  };
   for (const IdentificationRecord& record : problem.records) {
     for (const MeasuredChannel& channel : record.channels) {
       const Vector& weights = channel.observation.weights;
       if (!channel.fit || (weights.array() != 0.0).count() != 1) continue;
       Eigen::Index dof = 0;
       weights.cwiseAbs().maxCoeff(&dof);
-      const DamageSearch::MassPlace place =
-          PlaceOfMass(model, NodeOf(model.dof_names[static_cast<size_t>(dof)]));
-      const bool known = std::any_of(places.begin(), places.end(),
-                                     [&](const DamageSearch::MassPlace& other) {
-                                       return other.name == place.name;
-                                     });
-      if (!known && !place.dofs.empty()) places.push_back(place);
+      add(dof);
     }
+  }
+  // Under ground motion a mass that no sensor is at, and that is no candidate,
+  // shows as a loss of all stiffness, damping and other masses.
+  if (places.empty() || model.num_dofs() > kMostPlaces) return places;
+  for (Eigen::Index j = 0; j < model.num_dofs(); ++j) {
+    if (model.mass(j, j) > 0.0) add(j);
   }
   return places;
 }
@@ -124,7 +134,7 @@ bool HasFixedDamping(const StructuralDynamics& dynamics) {
 }
 
 DamageSearch LookEverywhere(const IdentificationProblem& problem) {
-  return {MeasuredMasses(problem), GroupSprings(*problem.dynamics),
+  return {PlacesOfMasses(problem), GroupSprings(*problem.dynamics),
           HasFixedDamping(*problem.dynamics), problem.num_train_records() > 0};
 }
 

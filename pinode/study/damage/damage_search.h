@@ -72,8 +72,9 @@ struct ChangeCandidate {
 DamageSearch::MassPlace PlaceOfMass(const StructuralModel& model,
                                     const std::string& node);
 
-// Returns the places of masses at single DOFs that a fitted channel measures.
-std::vector<DamageSearch::MassPlace> MeasuredMasses(
+// Returns the places of masses at single DOFs that a fitted channel measures,
+// and with at most 40 DOFs those at all others.
+std::vector<DamageSearch::MassPlace> PlacesOfMasses(
     const IdentificationProblem& problem);
 
 // Returns the places of springs that are free stiffness groups.

@@ -112,7 +112,8 @@ class Report {
       if (!(explanation.shift > limits::kShiftByExplanation)) continue;
       result->findings.push_back(
           {"another_explanation",
-           explanation.what + " would describe the records better, with " +
+           explanation.what + " would describe the " +
+               (IsOfModes(problem_) ? "modes" : "records") + " better, with " +
                MovedValue(explanation, refits_[i]),
            explanation.shift, limits::kShiftByExplanation,
            "check it, or leave it free in the model", Grade::kWithCare});
@@ -288,9 +289,9 @@ class Report {
         const double half = 1.96 * scores_.usual_deviations[i];
         include(moved - half, moved + half);
       }
-      if (!result->explanations.empty() &&
-          result->explanations[0].log_odds > limits::kLogOdds) {
-        for (const ExplainedValue& value : result->explanations[0].values) {
+      for (const Explanation& explanation : result->explanations) {
+        if (!IsAllowedFor(explanation, result->explanations[0])) break;
+        for (const ExplainedValue& value : explanation.values) {
           if (value.name == own.name) include(value.lower95, value.upper95);
         }
       }
@@ -301,6 +302,16 @@ class Report {
         result->explanations[0].log_odds > limits::kLogOdds) {
       WidenForces(refits_[0].fit.forces, &result->forces);
     }
+  }
+
+  // True if intervals hold what this explanation makes of them: the best one of
+  // records. Measured modes are explained only where something is wrong with
+  // them, so that all that cannot be told from the best one count.
+  bool IsAllowedFor(const Explanation& explanation,
+                    const Explanation& best) const {
+    return IsOfModes(problem_)
+               ? explanation.log_odds > best.log_odds - limits::kLogOdds
+               : &explanation == &best && best.log_odds > limits::kLogOdds;
   }
 
   const IdentificationProblem& problem_;

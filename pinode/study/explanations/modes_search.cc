@@ -96,9 +96,9 @@ void ModesSearch::AddModes() {
     suspect.kind = Suspect::Kind::kMode;
     suspect.place = problem_.modal.modes[i].name;
     if (suspect.place.empty()) suspect.place = std::to_string(i + 1);
-    suspect.what = "measured mode " + suspect.place + " at " +
+    suspect.what = "mode " + suspect.place + " (" +
                    FormatNumber(problem_.modal.modes[i].frequency, 4) +
-                   ", which would be misread or another one";
+                   ") misread or mistaken for another";
     suspect.left_out_modes = {static_cast<int>(i)};
     suspects_.push_back(std::move(suspect));
   }
