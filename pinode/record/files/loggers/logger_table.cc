@@ -13,6 +13,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/text_encoding.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/record/files/loggers/bhrc.h"
 #include "pinode/record/files/loggers/knet.h"
 #include "pinode/record/files/loggers/lvm.h"
 #include "pinode/record/files/loggers/mini_seed.h"
@@ -38,7 +39,8 @@ LoggerFormat FormatOfBeginning(std::string_view begin) {
   if (BeginsWith(begin, "LabVIEW Measurement")) return LoggerFormat::kLvm;
   if (IsMiniSeedHeader(begin)) return LoggerFormat::kMiniSeed;
   if (IsSacHeader(begin)) return LoggerFormat::kSac;
-  if (IsStrongMotionTitle(begin.substr(0, begin.find('\n')))) {
+  const std::string_view title = begin.substr(0, begin.find('\n'));
+  if (IsStrongMotionTitle(title) || IsBhrcTitle(title)) {
     return LoggerFormat::kStrongMotion;
   }
   return LoggerFormat::kNone;
@@ -114,7 +116,9 @@ bool ParseLoggedFile(const std::string& bytes, const std::string& path,
     case LoggerFormat::kKnet:
       return ParseKnet(text, path, wanted, file, error);
     case LoggerFormat::kStrongMotion:
-      return ParseStrongMotion(text, path, wanted, file, error);
+      return IsBhrcTitle(std::string_view(text).substr(0, text.find('\n')))
+                 ? ParseBhrc(text, path, wanted, file, error)
+                 : ParseStrongMotion(text, path, wanted, file, error);
     case LoggerFormat::kLvm:
       return ParseLvm(text, path, wanted, file, error);
     case LoggerFormat::kTdms:

@@ -14,7 +14,7 @@ namespace pinode {
 enum class LoggerFormat {
   kNone,
   kKnet,          // K-NET and KiK-net
-  kStrongMotion,  // CSMIP and COSMOS
+  kStrongMotion,  // CSMIP, COSMOS and BHRC
   kTdms,
   kMiniSeed,
   kSac,
