@@ -93,9 +93,12 @@ struct CaseDraft {
   StiffnessOrigin stiffness_origin = StiffnessOrigin::kGiven;
   double first_mode_hz = 0.0;  // of the records; 0: no peak
   double damping_ratio = 0.02;
-  // Coefficients of C = a0 M + a1 K; a1 = 0 for one storey.
-  double rayleigh_mass = 0.0;
-  double rayleigh_stiffness = 0.0;
+  // Modes whose damping ratio is free, from 1 on, each with a group of its own;
+  // and the first of the higher modes that share one group (0: none).
+  std::vector<int> damped_modes;
+  int damped_from = 0;
+  // True if modes are left out whose damping the records do not show.
+  bool some_damping_is_hidden = false;
   // Model of a deck in place of masses and stiffnesses; null: storeys.
   std::shared_ptr<const DeckModel> deck;
   double deck_factor = 0.0;

@@ -11,12 +11,14 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/draft/case_draft_text.h"
+#include "pinode/structure/model/modal_analysis.h"
 #include "tests/support/case_testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -121,7 +123,7 @@ TEST_F(CaseDraftTest, CaseSaysWhatTheFilesAndTheUserSay) {
   // In the model's units of acceleration.
   EXPECT_NEAR(record.channels[0].description.factor, 9.80665e-3, 1e-12);
   EXPECT_THAT(draft.remarks, IsEmpty());
-  // Two storeys and two parts of the damping are free.
+  // Two storeys and the damping of two modes are free.
   EXPECT_EQ(c.problem.dynamics->groups().size(), 4u);
   EXPECT_EQ(record.num_samples(), 1500);
 }
@@ -131,7 +133,8 @@ TEST_F(CaseDraftTest, LaterStateHasTheSameModel) {
   const std::vector<CaseDraft> drafts = DraftOrFail();
   ASSERT_EQ(drafts.size(), 2u);
   EXPECT_EQ(drafts[0].stiffnesses, drafts[1].stiffnesses);
-  EXPECT_EQ(drafts[0].rayleigh_mass, drafts[1].rayleigh_mass);
+  EXPECT_THAT(drafts[0].damped_modes, ElementsAre(1, 2));
+  EXPECT_EQ(drafts[0].damped_modes, drafts[1].damped_modes);
   const Case before = ReadBack(drafts[0]);
   const Case after = ReadBack(drafts[1]);
   EXPECT_EQ(before.problem.records[0].name, "log_1");
@@ -239,9 +242,45 @@ TEST_F(CaseDraftTest, OneStorey) {
   request_.storeys = "1";
   request_.sensors = "Dach=1";
   const CaseDraft draft = DraftOrFail()[0];
-  // Damping of one mode has one part.
-  EXPECT_EQ(draft.rayleigh_stiffness, 0.0);
+  EXPECT_THAT(draft.damped_modes, ElementsAre(1));
+  EXPECT_EQ(draft.damped_from, 0);
   EXPECT_EQ(ReadBack(draft).problem.dynamics->groups().size(), 2u);
+}
+
+// Each ratio is that of its mode: a factor of 1.5 and none of it.
+TEST_F(CaseDraftTest, DampingOfModesIsFree) {
+  request_.damping_ratio = "0.04";
+  const Case c = ReadBack(DraftOrFail()[0]);
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  const StructuralModel model =
+      dynamics.CorrectedModel(Vector{{0.0, 0.0, 0.5, -1.0}});
+  ModalProperties modes;
+  std::string error;
+  ASSERT_TRUE(
+      ComputeModes(model.mass, model.damping, model.stiffness, &modes, &error))
+      << error;
+  EXPECT_NEAR(modes.damping_ratio[0], 0.06, 1e-9);
+  EXPECT_NEAR(modes.damping_ratio[1], 0.0, 1e-9);
+}
+
+// The load ends at 9.75 Hz, between modes 3 and 4 of seven storeys.
+TEST_F(CaseDraftTest, DampingThatTheRecordsDoNotShowIsFixed) {
+  request_.storeys = "7";
+  request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=3,Dach=7";
+  const CaseDraft draft = DraftOrFail()[0];
+  EXPECT_THAT(draft.damped_modes, ElementsAre(1, 2, 3));
+  EXPECT_EQ(draft.damped_from, 0);
+  EXPECT_THAT(CaseDraftText(draft, ""),
+              HasSubstr("# The records do not show the damping of other modes: "
+                        "it stays at 2 %."));
+  EXPECT_EQ(ReadBack(draft).problem.dynamics->groups().size(), 10u);
+  // All modes are below 7.5 Hz.
+  request_.first_mode_hz = "0.8";
+  const CaseDraft slow = DraftOrFail()[0];
+  EXPECT_THAT(slow.damped_modes, ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_EQ(slow.damped_from, 6);
+  EXPECT_THAT(CaseDraftText(slow, ""), HasSubstr("name    = \"zeta_rest\""));
+  EXPECT_EQ(ReadBack(slow).problem.dynamics->groups().size(), 13u);
 }
 
 }  // namespace

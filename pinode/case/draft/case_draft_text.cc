@@ -64,6 +64,10 @@ std::string PathInCase(const std::string& file, const std::string& case_path) {
   return relative.generic_string();
 }
 
+std::string PercentOf(double share) {
+  return FormatNumber(100.0 * share, 3) + " %";
+}
+
 std::string StiffnessComment(const CaseDraft& draft) {
   const std::string hz = FormatNumber(draft.first_mode_hz, 4) + " Hz";
   switch (draft.stiffness_origin) {
@@ -141,16 +145,11 @@ void AddModel(const CaseDraft& draft, std::string* out) {
   AppendLine("length = " + TomlText(units.length), "", out);
   AppendLine("time   = " + TomlText(units.time), "", out);
   *out += "\n[model]\n";
-  std::string damping = TomlNumber(draft.rayleigh_mass) + ", " +
-                        TomlNumber(draft.rayleigh_stiffness);
-  AppendLine(
-      "damping = {rayleigh = [" + damping + "]}",
-      FormatNumber(100.0 * draft.damping_ratio, 3) +
-          (draft.num_storeys() == 1
-               ? " % of critical, a guess; the fit updates it, see c_mass"
-               : " % of critical, a guess; the fit updates it, see c_mass and "
-                 "c_stiffness"),
-      out);
+  const bool is_free = !draft.damped_modes.empty() || draft.damped_from > 0;
+  AppendLine("damping = {ratios = [" + TomlNumber(draft.damping_ratio) + "]}",
+             PercentOf(draft.damping_ratio) + " of critical, a guess" +
+                 (is_free ? "; the fit updates it" : ""),
+             out);
   if (draft.deck != nullptr) {
     AddDeck(draft, out);
     return;
@@ -182,28 +181,44 @@ void AddStoreys(const CaseDraft& draft, std::string* out) {
   }
 }
 
+// Adds the damping ratios.
+void AddDamping(const CaseDraft& draft, std::string* out) {
+  std::vector<int> modes = draft.damped_modes;
+  if (draft.damped_from > 0) modes.push_back(draft.damped_from);
+  if (!modes.empty()) {
+    *out += "# The damping of the modes. 0.5 means: " +
+            PercentOf(1.5 * draft.damping_ratio) + " instead of " +
+            PercentOf(draft.damping_ratio) + "; -1 removes it.\n";
+  }
+  for (size_t i = 0; i < modes.size(); ++i) {
+    if (i > 0) *out += "\n";
+    *out += "[[group]]\n";
+    const int mode = modes[i];
+    AppendLine("name    = " + TomlText(DraftedRatioName(draft, mode)), "", out);
+    AppendLine("adds_to = \"damping\"", "", out);
+    if (mode == draft.damped_from) {
+      AppendLine("modes_from = " + std::to_string(mode),
+                 "this mode and all higher ones", out);
+    } else {
+      AppendLine("mode    = " + std::to_string(mode), "", out);
+    }
+    AppendLine("ratio   = " + TomlNumber(draft.damping_ratio), "", out);
+    AppendLine("lower   = -1.0", "", out);
+  }
+  if (draft.some_damping_is_hidden) {
+    *out += "# The records do not show the damping of " +
+            std::string(modes.empty() ? "any mode" : "other modes") +
+            ": it stays at " + PercentOf(draft.damping_ratio) + ".\n";
+  }
+}
+
 void AddGroups(const CaseDraft& draft, std::string* out) {
   if (draft.deck != nullptr) {
     AddDeckGroups(draft, out);
   } else {
     AddStoreys(draft, out);
   }
-  *out +=
-      "# The two parts of the damping, each with a factor: -1 removes it.\n";
-  *out += "[[group]]\n";
-  AppendLine("name            = \"c_mass\"", "", out);
-  AppendLine("adds_to         = \"damping\"", "", out);
-  AppendLine("proportional_to = \"mass\"", "", out);
-  AppendLine("scale           = " + TomlNumber(draft.rayleigh_mass), "", out);
-  AppendLine("lower           = -1.0", "", out);
-  if (draft.rayleigh_stiffness <= 0.0) return;
-  *out += "\n[[group]]\n";
-  AppendLine("name            = \"c_stiffness\"", "", out);
-  AppendLine("adds_to         = \"damping\"", "", out);
-  AppendLine("proportional_to = \"stiffness\"", "", out);
-  AppendLine("scale           = " + TomlNumber(draft.rayleigh_stiffness), "",
-             out);
-  AppendLine("lower           = -1.0", "", out);
+  AddDamping(draft, out);
 }
 
 void AddSignal(const DraftSignal& signal, std::string* out) {
@@ -326,6 +341,11 @@ std::string CaseDraftText(const CaseDraft& draft, const std::string& command) {
     text += "# - " + remark + "\n";
   }
   return text;
+}
+
+std::string DraftedRatioName(const CaseDraft& draft, int mode) {
+  return mode == draft.damped_from ? "zeta_rest"
+                                   : "zeta" + std::to_string(mode);
 }
 
 bool ReadCaseDraft(const std::string& text, const std::string& path, Case* c,

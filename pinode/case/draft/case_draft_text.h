@@ -14,6 +14,10 @@ namespace pinode {
 // `draft.path`. `command` is the command line, for the first comment.
 std::string CaseDraftText(const CaseDraft& draft, const std::string& command);
 
+// Name of the group of the damping ratio of this mode, or of this one and all
+// higher ones.
+std::string DraftedRatioName(const CaseDraft& draft, int mode);
+
 // Reads the text of a draft as if it stood in the file `path`, for a check.
 [[nodiscard]] bool ReadCaseDraft(const std::string& text,
                                  const std::string& path, Case* c,
