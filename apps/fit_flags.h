@@ -13,6 +13,7 @@
 
 DECLARE_string(case);
 DECLARE_string(output_dir);
+DECLARE_bool(mat);
 DECLARE_bool(overwrite);
 DECLARE_bool(resume);
 DECLARE_bool(progress);

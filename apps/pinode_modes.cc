@@ -8,6 +8,7 @@
 //
 // Sample run:
 //   pinode_modes --case=C.toml --output_dir=D
+//   pinode_modes --case=wind.csv --columns=all
 //   pinode_modes --case=wind.csv --columns=a1,a2 --output_dir=D
 
 #include <gflags/gflags.h>
@@ -53,10 +54,21 @@ bool CheckFlags(std::string* error) {
     return false;
   }
   if (FLAGS_output_dir.empty()) {
-    *error = "--output_dir=FOLDER is missing; see --help";
+    if (!FLAGS_mat && !FLAGS_overwrite) return true;
+    *error = std::string(FLAGS_mat ? "--mat" : "--overwrite") +
+             " needs --output_dir=FOLDER";
     return false;
   }
   return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+}
+
+// Prints the modes of all records.
+int PrintModes(const ModesResult& result) {
+  Print("%s\n", ModesAsText(result.merged).c_str());
+  for (const std::string& remark : result.remarks) {
+    Print("%s\n", remark.c_str());
+  }
+  return result.merged.modes.empty() ? kExitNotUsable : kExitDone;
 }
 
 // Reads a case, or a single data file.
@@ -89,7 +101,7 @@ int RunProgram(int argc, char** argv) {
   const auto begin = Clock::now();
   int status;
   if (!ParseFlags(argc, argv,
-                  "pinode_modes --case=FILE --output_dir=FOLDER\n\n"
+                  "pinode_modes --case=FILE [--output_dir=FOLDER]\n\n"
                   "Identifies the modes of a structure from records of its "
                   "vibration. It needs no model.",
                   &status)) {
@@ -111,7 +123,8 @@ int RunProgram(int argc, char** argv) {
   if (!FindModes(c, &found, &error)) return Refuse(error);
   const ModesResult& result = found.result;
 
-  // 3. The folder, with a report.
+  // 3. The folder, with a report, unless the modes are printed alone.
+  if (FLAGS_output_dir.empty()) return PrintModes(result);
   const double seconds =
       std::chrono::duration<double>(Clock::now() - begin).count();
   ModesReportInput report;
@@ -138,12 +151,9 @@ int RunProgram(int argc, char** argv) {
   }
 
   // 4. Output on the console.
-  Print("%s\n", ModesAsText(result.merged).c_str());
-  for (const std::string& remark : result.remarks) {
-    Print("%s\n", remark.c_str());
-  }
+  status = PrintModes(result);
   Print("Results: %s\n", folder.final_path().c_str());
-  return result.merged.modes.empty() ? kExitNotUsable : kExitDone;
+  return status;
 }
 
 }  // namespace pinode

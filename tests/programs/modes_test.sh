@@ -49,6 +49,15 @@ Run 0 pinode_modes --case=wind.csv.gz --columns=a1,a2,a3 \
   --sampling_rate_hz=100 --output_dir=F
 cmp <(grep frequency D/modes.json) <(grep frequency F/modes.json) ||
   Fail "a file alone says something else"
+# Without a folder the modes are printed alone.
+ls >before
+Run 0 pinode_modes --case=wind.csv.gz --columns=a1,a2,a3 --sampling_rate_hz=100
+grep -q '^3 modes were found' stdout || Fail "no modes are printed"
+! grep -q '^Results' stdout || Fail "a folder is named"
+cmp <(grep -vE '^(before|stdout|stderr)$' before) \
+  <(ls | grep -vE '^(before|stdout|stderr)$') || Fail "files were written"
+Refused "--mat needs --output_dir=FOLDER" --case=wind.csv.gz --columns=all \
+  --sampling_rate_hz=100 --mat
 Refused "a9" --case=wind.csv.gz --columns=a1,a9 --sampling_rate_hz=100 \
   --output_dir=E
 Refused "columns" --case=three_storey_ambient.toml --sampling_rate_hz=100 \
