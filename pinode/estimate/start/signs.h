@@ -39,7 +39,9 @@ void FindSigns(const IdentificationProblem& problem, Vector* parameters);
 // - gains and scales whose sign is not that of the initial value;
 // - delays found equal at all sensors (within a tenth, half a sample or more);
 // - channels of known sign that clearly oppose the response (an agreement below
-//   -0.4), as a sensor that is mounted upside down.
+//   -0.4), as a sensor that is mounted upside down;
+// - pairs of channels that clearly agree with each other's response (0.5) and
+//   not with their own (0.25), as sensors whose axes or cables are exchanged.
 //
 // Forces of prescribed motions are left out: this model does not determine the
 // resistance of a device.

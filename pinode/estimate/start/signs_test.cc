@@ -208,6 +208,65 @@ TEST(Signs, RemarksOnSensorsThatGoAgainstTheModel) {
   EXPECT_THAT(frame.Remarks(), IsEmpty());
 }
 
+// Several in one line.
+TEST(Signs, OneRemarkOnAllThatGoAgainstTheModel) {
+  const std::vector<std::string> remarks =
+      Frame({-0.2, 0.1, 0.1}, 1.0, {1.0, -1.0, -1.0}, 1.0, 6).Remarks();
+  EXPECT_THAT(remarks, ElementsAre(AllOf(HasSubstr("Channels 'a2' ("),
+                                         HasSubstr(", 'a3' ("),
+                                         HasSubstr("They are probably"))));
+}
+
+// Two masses that move along x and along y, each under a force of its own, and
+// storeys that are 30 % too stiff in the model.
+std::vector<std::string> RemarksOnAxes(bool are_exchanged, double noise) {
+  StructuralModel model = ::pinode::testing::MakeChain(4, 400.0, 1.0);
+  for (const int i : {1, 3}) {
+    model.stiffness.row(i).setZero();
+    model.stiffness.col(i).setZero();
+  }
+  model.stiffness(0, 0) = model.stiffness(2, 2) = 300.0;
+  model.stiffness(0, 2) = model.stiffness(2, 0) = -100.0;
+  model.stiffness(1, 1) = model.stiffness(3, 3) = 700.0;
+  model.stiffness(1, 3) = model.stiffness(3, 1) = -250.0;
+  model.damping = 0.002 * model.stiffness;
+  const std::vector<InputSpec> inputs = {{InputSpec::Kind::kForce, 2, "fx"},
+                                         {InputSpec::Kind::kForce, 3, "fy"}};
+  StructuralModel truth = model;
+  truth.stiffness /= 1.3;
+  testing::Gaussian random(3);
+  Matrix columns(2, 1500);
+  for (double& value : columns.reshaped()) value = random.Next();
+  IdentificationRecord record;
+  record.name = "shaker";
+  record.substeps = 2;
+  record.start = IdentificationRecord::Start::kRest;
+  const char* const names[] = {"x1", "y1", "x2", "y2"};
+  for (int i = 0; i < 4; ++i) {
+    record.channels.push_back(
+        testing::MakeChannel(names[i], Quantity::kAbsoluteAcceleration, 4, i));
+  }
+  record.excitation.emplace(0.0, 0.02, columns, Interpolation::kLinear);
+  testing::Simulate(StructuralDynamics(truth, inputs), Vector(),
+                    Vector::Zero(8), noise, 1, &record);
+  if (are_exchanged) {
+    std::swap(record.channels[2].values, record.channels[3].values);
+  }
+  IdentificationProblem problem;
+  problem.dynamics = std::make_shared<StructuralDynamics>(model, inputs);
+  problem.records = {record};
+  return SignRemarks(problem, ParameterLayout(problem).InitialValues());
+}
+
+TEST(Signs, RemarksOnExchangedAxes) {
+  for (const double noise : {0.0, 0.2}) {
+    EXPECT_THAT(RemarksOnAxes(false, noise), IsEmpty());
+    EXPECT_THAT(RemarksOnAxes(true, noise),
+                ElementsAre(AllOf(HasSubstr("Channels 'x2' and 'y2' agree"),
+                                  HasSubstr("They are probably exchanged"))));
+  }
+}
+
 // Noise free, all is found to rounding, and told.
 TEST(Signs, FitOfAScaleAndAGain) {
   Frame frame({0.0, 0.0, 0.0}, -2.5, {1.0, 1.0, -1.3}, 0.0, 7);
