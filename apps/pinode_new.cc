@@ -57,6 +57,10 @@ DEFINE_string(first_mode_hz, "",
               "frequency of the first mode, if the records do not show it");
 DEFINE_string(damping_ratio, "0.02",
               "initial damping as a fraction of critical; the fit updates it");
+DEFINE_string(damping, "",
+              "free damping: rayleigh (two factors) or modes (a ratio for each "
+              "of the lowest five, one for the others); empty: rayleigh for "
+              "storeys, modes for --deck");
 DEFINE_string(base, "",
               "column of the acceleration of the base, or 'none'; empty: found "
               "by its name");
@@ -131,6 +135,7 @@ DraftRequest RequestOfFlags(const std::vector<std::string>& logs) {
   request.stiffness = FLAGS_stiffness;
   request.first_mode_hz = FLAGS_first_mode_hz;
   request.damping_ratio = FLAGS_damping_ratio;
+  request.damping = FLAGS_damping;
   request.base = FLAGS_base;
   request.sensors = FLAGS_sensors;
   request.deck = FLAGS_deck;

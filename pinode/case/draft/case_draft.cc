@@ -19,6 +19,7 @@
 #include "pinode/case/draft/first_mode.h"
 #include "pinode/case/draft/floor_weights.h"
 #include "pinode/case/draft/record_draft.h"
+#include "pinode/structure/model/damping.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/structure/model/shear_building.h"
 
@@ -26,6 +27,9 @@ namespace pinode {
 namespace {
 
 constexpr int kMostStoreys = 100;
+// Without a model at hand, Rayleigh's damping has the given ratio at the first
+// mode and at this many times its frequency.
+constexpr double kBandOfDamping = 5.0;
 
 bool ParsePositive(const std::string& text, const std::string& flag,
                    const std::string& what, double* value, std::string* error) {
@@ -230,6 +234,47 @@ bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
   return true;
 }
 
+// Sets Rayleigh's coefficients by the ratio at the first and third mode, or the
+// modes whose ratios are free.
+bool SetDamping(const DraftRequest& request, CaseDraft* draft,
+                DraftQuestion* question, std::string* error) {
+  const bool is_deck = draft->deck != nullptr;
+  if (!request.damping.empty() && request.damping != "rayleigh" &&
+      request.damping != "modes") {
+    *error = "--damping is " + Quote(request.damping) +
+             ", expected rayleigh or modes";
+    return false;
+  }
+  if (request.damping.empty() ? is_deck : request.damping == "modes") {
+    DraftDamping(draft);
+    return true;
+  }
+  double first = 0.0;
+  double last = 0.0;
+  if (is_deck) {
+    if (!SetFirstMode(request, draft, question, error)) return false;
+    first = draft->first_mode_hz;
+    last = kBandOfDamping * first;
+  } else {
+    UndampedModes modes;
+    if (!Modes(*draft, &modes, error)) return false;
+    first = Hz(modes, 0);
+    last = Hz(modes, std::min(draft->num_storeys(), 3) - 1);
+  }
+  if (first == last) {
+    draft->rayleigh_mass = 2.0 * draft->damping_ratio * kTwoPi * first;
+    return true;
+  }
+  RayleighCoefficients coefficients;
+  if (!RayleighFromRatios(first, draft->damping_ratio, last,
+                          draft->damping_ratio, &coefficients, error)) {
+    return false;
+  }
+  draft->rayleigh_mass = coefficients.mass;
+  draft->rayleigh_stiffness = coefficients.stiffness;
+  return true;
+}
+
 // Returns a name for a record that may be part of file names.
 std::string RecordName(const std::string& path,
                        const std::vector<DraftRecord>& records) {
@@ -430,16 +475,18 @@ bool DraftCases(const DraftRequest& request, std::vector<CaseDraft>* drafts,
       !DraftRecords(request, logs, &draft, question, error) ||
       !DraftRecords(request, later_logs, &later, question, error) ||
       (draft.deck == nullptr &&
-       !SetStiffnesses(request, &draft, question, error))) {
+       !SetStiffnesses(request, &draft, question, error)) ||
+      !SetDamping(request, &draft, question, error)) {
     return false;
   }
-  DraftDamping(&draft);
   drafts->assign(1, draft);
   if (later_logs.empty()) return true;
   later.path = request.later_case_path;
   later.stiffnesses = draft.stiffnesses;
   later.stiffness_origin = draft.stiffness_origin;
   later.first_mode_hz = draft.first_mode_hz;
+  later.rayleigh_mass = draft.rayleigh_mass;
+  later.rayleigh_stiffness = draft.rayleigh_stiffness;
   later.damped_modes = draft.damped_modes;
   later.damped_from = draft.damped_from;
   later.some_damping_is_hidden = draft.some_damping_is_hidden;

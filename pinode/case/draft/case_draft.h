@@ -32,6 +32,9 @@ struct DraftRequest {
   std::string stiffness;
   std::string first_mode_hz;
   std::string damping_ratio = "0.02";
+  // Free damping: "rayleigh" (two factors) or "modes" (ratios); empty:
+  // rayleigh for storeys, modes for a deck.
+  std::string damping;
 
   // A deck in place of storeys; the units of its numbers, "N, m", and the
   // factor with which properties of sets were exported.
@@ -93,6 +96,10 @@ struct CaseDraft {
   StiffnessOrigin stiffness_origin = StiffnessOrigin::kGiven;
   double first_mode_hz = 0.0;  // of the records; 0: no peak
   double damping_ratio = 0.02;
+  // Coefficients of Rayleigh's damping C = a0 M + a1 K, if it is drafted; both
+  // are 0 if the ratios of modes are. a1 = 0 for one storey.
+  double rayleigh_mass = 0.0;
+  double rayleigh_stiffness = 0.0;
   // Modes whose damping ratio is free, from 1 on, each with a group of its own;
   // and the first of the higher modes that share one group (0: none).
   std::vector<int> damped_modes;

@@ -123,7 +123,7 @@ TEST_F(CaseDraftTest, CaseSaysWhatTheFilesAndTheUserSay) {
   // In the model's units of acceleration.
   EXPECT_NEAR(record.channels[0].description.factor, 9.80665e-3, 1e-12);
   EXPECT_THAT(draft.remarks, IsEmpty());
-  // Two storeys and the damping of two modes are free.
+  // Two storeys and two parts of the damping are free.
   EXPECT_EQ(c.problem.dynamics->groups().size(), 4u);
   EXPECT_EQ(record.num_samples(), 1500);
 }
@@ -133,8 +133,15 @@ TEST_F(CaseDraftTest, LaterStateHasTheSameModel) {
   const std::vector<CaseDraft> drafts = DraftOrFail();
   ASSERT_EQ(drafts.size(), 2u);
   EXPECT_EQ(drafts[0].stiffnesses, drafts[1].stiffnesses);
-  EXPECT_THAT(drafts[0].damped_modes, ElementsAre(1, 2));
-  EXPECT_EQ(drafts[0].damped_modes, drafts[1].damped_modes);
+  EXPECT_GT(drafts[0].rayleigh_mass, 0.0);
+  EXPECT_EQ(drafts[0].rayleigh_mass, drafts[1].rayleigh_mass);
+  EXPECT_EQ(drafts[0].rayleigh_stiffness, drafts[1].rayleigh_stiffness);
+  request_.damping = "modes";
+  const std::vector<CaseDraft> by_modes = DraftOrFail();
+  ASSERT_EQ(by_modes.size(), 2u);
+  EXPECT_EQ(by_modes[0].rayleigh_mass, 0.0);
+  EXPECT_THAT(by_modes[0].damped_modes, ElementsAre(1, 2));
+  EXPECT_EQ(by_modes[0].damped_modes, by_modes[1].damped_modes);
   const Case before = ReadBack(drafts[0]);
   const Case after = ReadBack(drafts[1]);
   EXPECT_EQ(before.problem.records[0].name, "log_1");
@@ -226,6 +233,15 @@ TEST_F(CaseDraftTest, AsksForWhatIsMissing) {
   EXPECT_EQ(Asked(), "weights");
 }
 
+TEST_F(CaseDraftTest, DampingOfAnotherKindIsRefused) {
+  request_.damping = "viscous";
+  std::vector<CaseDraft> drafts;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(DraftCases(request_, &drafts, &question, &error));
+  EXPECT_EQ(error, "--damping is 'viscous', expected rayleigh or modes");
+}
+
 TEST_F(CaseDraftTest, GivenStiffnesses) {
   request_.stiffness = "0.5 kN/mm, 300 kN/m";
   const CaseDraft draft = DraftOrFail()[0];
@@ -242,14 +258,15 @@ TEST_F(CaseDraftTest, OneStorey) {
   request_.storeys = "1";
   request_.sensors = "Dach=1";
   const CaseDraft draft = DraftOrFail()[0];
-  EXPECT_THAT(draft.damped_modes, ElementsAre(1));
-  EXPECT_EQ(draft.damped_from, 0);
+  // Damping of one mode has one part.
+  EXPECT_EQ(draft.rayleigh_stiffness, 0.0);
   EXPECT_EQ(ReadBack(draft).problem.dynamics->groups().size(), 2u);
 }
 
 // Each ratio is that of its mode: a factor of 1.5 and none of it.
 TEST_F(CaseDraftTest, DampingOfModesIsFree) {
   request_.damping_ratio = "0.04";
+  request_.damping = "modes";
   const Case c = ReadBack(DraftOrFail()[0]);
   const StructuralDynamics& dynamics = *c.problem.dynamics;
   const StructuralModel model =
@@ -266,6 +283,7 @@ TEST_F(CaseDraftTest, DampingOfModesIsFree) {
 // The load ends at 9.75 Hz, between modes 3 and 4 of seven storeys.
 TEST_F(CaseDraftTest, DampingThatTheRecordsDoNotShowIsFixed) {
   request_.storeys = "7";
+  request_.damping = "modes";
   request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=3,Dach=7";
   const CaseDraft draft = DraftOrFail()[0];
   EXPECT_THAT(draft.damped_modes, ElementsAre(1, 2, 3));

@@ -145,8 +145,14 @@ void AddModel(const CaseDraft& draft, std::string* out) {
   AppendLine("length = " + TomlText(units.length), "", out);
   AppendLine("time   = " + TomlText(units.time), "", out);
   *out += "\n[model]\n";
-  const bool is_free = !draft.damped_modes.empty() || draft.damped_from > 0;
-  AppendLine("damping = {ratios = [" + TomlNumber(draft.damping_ratio) + "]}",
+  const bool is_free = draft.rayleigh_mass > 0.0 ||
+                       !draft.damped_modes.empty() || draft.damped_from > 0;
+  const std::string rule =
+      draft.rayleigh_mass > 0.0
+          ? "rayleigh = [" + TomlNumber(draft.rayleigh_mass) + ", " +
+                TomlNumber(draft.rayleigh_stiffness) + "]"
+          : "ratios = [" + TomlNumber(draft.damping_ratio) + "]";
+  AppendLine("damping = {" + rule + "}",
              PercentOf(draft.damping_ratio) + " of critical, a guess" +
                  (is_free ? "; the fit updates it" : ""),
              out);
@@ -179,6 +185,26 @@ void AddStoreys(const CaseDraft& draft, std::string* out) {
                out);
     *out += "\n";
   }
+}
+
+// Adds the factors on Rayleigh's damping.
+void AddRayleigh(const CaseDraft& draft, std::string* out) {
+  *out +=
+      "# The two parts of the damping, each with a factor: -1 removes it.\n";
+  *out += "[[group]]\n";
+  AppendLine("name            = \"c_mass\"", "", out);
+  AppendLine("adds_to         = \"damping\"", "", out);
+  AppendLine("proportional_to = \"mass\"", "", out);
+  AppendLine("scale           = " + TomlNumber(draft.rayleigh_mass), "", out);
+  AppendLine("lower           = -1.0", "", out);
+  if (draft.rayleigh_stiffness <= 0.0) return;
+  *out += "\n[[group]]\n";
+  AppendLine("name            = \"c_stiffness\"", "", out);
+  AppendLine("adds_to         = \"damping\"", "", out);
+  AppendLine("proportional_to = \"stiffness\"", "", out);
+  AppendLine("scale           = " + TomlNumber(draft.rayleigh_stiffness), "",
+             out);
+  AppendLine("lower           = -1.0", "", out);
 }
 
 // Adds the damping ratios.
@@ -218,7 +244,11 @@ void AddGroups(const CaseDraft& draft, std::string* out) {
   } else {
     AddStoreys(draft, out);
   }
-  AddDamping(draft, out);
+  if (draft.rayleigh_mass > 0.0) {
+    AddRayleigh(draft, out);
+  } else {
+    AddDamping(draft, out);
+  }
 }
 
 void AddSignal(const DraftSignal& signal, std::string* out) {
