@@ -49,6 +49,15 @@ TEST(TextTableTest, PlainFilesAreReadWithoutAssumptions) {
   EXPECT_THAT(table.columns, ElementsAre("t", "a"));
 }
 
+// A first time that is missing is not a clock of any kind.
+TEST(TextTableTest, FirstTimeMissing) {
+  const Table table = ParseText("t,a\nnan,1\n0.1,2\n0.2,3\n", WithTime("t"));
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kNone);
+  EXPECT_THAT(table.reading, Not(HasSubstr("0 s is")));
+  EXPECT_EQ(table.time_unit, "s");
+  EXPECT_DOUBLE_EQ(table.values(2, 0), 0.2);
+}
+
 TEST(TextTableTest, LinesBetweenNamesAndRows) {
   const Table table = ParseText(
       "Zeit;a;b\ns;g;mg\nfloat;float;float\n0,5;1,5;2,5\n1,5;2,5;3,5\n",

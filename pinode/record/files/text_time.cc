@@ -222,7 +222,8 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
   if (unit.empty() && times.size() > 1) {
     for (const Ticks& ticks : kTicks) {
       const double begin = first != 0.0 ? first : times[0];
-      if (begin < ticks.lowest || begin > ticks.highest) continue;
+      // A missing first time is none of these.
+      if (!(begin >= ticks.lowest && begin <= ticks.highest)) continue;
       times = (ticks.seconds * (times.array() - times[0])).matrix().eval();
       table->time_origin.kind = TimeOrigin::Kind::kDate;
       table->time_origin.seconds = ticks.zero + begin * ticks.seconds;
@@ -232,7 +233,7 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
       return true;
     }
     for (const auto& days : kDays) {
-      if (times[0] < days[0] || times[0] > days[1] ||
+      if (!(times[0] >= days[0] && times[0] <= days[1]) ||
           MedianStep(times) > kLargestStepOfDays) {
         continue;
       }
