@@ -59,8 +59,7 @@ DEFINE_string(damping_ratio, "0.02",
               "initial damping as a fraction of critical; the fit updates it");
 DEFINE_string(damping, "",
               "free damping: rayleigh (two factors) or modes (a ratio for each "
-              "of the lowest five, one for the others); empty: rayleigh for "
-              "storeys, modes for --deck");
+              "of the lowest five, one for the others); empty: rayleigh");
 DEFINE_string(base, "",
               "column of the acceleration of the base, or 'none'; empty: found "
               "by its name");

@@ -245,7 +245,7 @@ bool SetDamping(const DraftRequest& request, CaseDraft* draft,
              ", expected rayleigh or modes";
     return false;
   }
-  if (request.damping.empty() ? is_deck : request.damping == "modes") {
+  if (request.damping == "modes") {
     DraftDamping(draft);
     return true;
   }

@@ -33,7 +33,7 @@ struct DraftRequest {
   std::string first_mode_hz;
   std::string damping_ratio = "0.02";
   // Free damping: "rayleigh" (two factors) or "modes" (ratios); empty:
-  // rayleigh for storeys, modes for a deck.
+  // rayleigh.
   std::string damping;
 
   // A deck in place of storeys; the units of its numbers, "N, m", and the

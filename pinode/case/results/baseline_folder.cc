@@ -249,7 +249,9 @@ bool SameGroup(const std::string& folder, const Case& c,
   for (size_t j = 0; j < dynamics.groups().size(); ++j) {
     const GroupTerm& term = dynamics.groups()[j];
     if (term.group.name != name ||
-        (RenewsBasis(c) && c.finite_element->groups[j].matrix.rows() > 0)) {
+        (RenewsBasis(c) && (c.finite_element->groups[j].matrix.rows() > 0 ||
+                            c.finite_element->groups[j].in_basis !=
+                                ReducedStructure::Group::InBasis::kSame))) {
       continue;
     }
     const std::string file =
