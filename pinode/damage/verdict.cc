@@ -154,6 +154,10 @@ bool HasChanged(Reason reason) {
          reason == Reason::kBetweenRecords;
 }
 
+bool IsSet(const std::vector<bool>& flags, size_t j) {
+  return j < flags.size() && flags[j];
+}
+
 std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
                               const ChangeEstimate& estimate,
                               const ChangeOptions& options,
@@ -184,8 +188,9 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
         missed.Hides(change.change)) {
       reason = Reason::kModelError;
     }
-    if (HasChanged(reason) && j < missed.within_doubt.size() &&
-        missed.within_doubt[j]) {
+    if (HasChanged(reason) &&
+        (IsSet(missed.mass_instead, j) ||
+         (!estimate.has_between_records && IsSet(missed.within_doubt, j)))) {
       reason = Reason::kOtherExplanation;
     }
     reasons.push_back(reason);

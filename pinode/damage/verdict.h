@@ -87,6 +87,9 @@ struct MissedMotion {
   // overlap after widening by other explanations of the unexplained motion.
   // Empty: false for all.
   std::vector<bool> within_doubt = {};
+  // One flag per subject. It is true if an added mass explains what changed
+  // about as well, whatever the number of baselines. Empty: false for all.
+  std::vector<bool> mass_instead = {};
 
   // True if `last` is above 2 % and above three times `healthy`. The structure,
   // its loads or its sensors then have changed in a way that was not examined.

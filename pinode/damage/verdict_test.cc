@@ -330,6 +330,10 @@ TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
   estimate.has_between_records = true;
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
             DamageVerdict::kDamage);
+  // They do not show that a mass was added.
+  missed.mass_instead = {true, false, false};
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kCannotTell);
 }
 
 TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {

@@ -274,7 +274,7 @@ class Analyst {
     SayWhatDiffers(healthy, current);
     MissedMotion missed = Missed();
     missed.within_doubt = WithinDoubt(healthy, current, options);
-    if (IsOfModes(problem_)) LookForMass(healthy, &missed.within_doubt);
+    if (IsOfModes(problem_)) LookForMass(healthy, &missed);
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_, missed);
     if (missed.IsMore() &&
@@ -369,7 +369,7 @@ class Analyst {
   }
   // A mass may have been added, which modes hardly tell from changed stiffness.
   void LookForMass(const std::vector<GroupState>& healthy,
-                   std::vector<bool>* within) {
+                   MissedMotion* missed) {
     std::vector<std::string> changed;
     for (size_t j = 0; j < groups_.size(); ++j) {
       if (result_.estimate.groups[j].changed) changed.push_back(groups_[j]);
@@ -380,7 +380,7 @@ class Analyst {
                     healthy, changed, &inner_);
     if (mass.empty()) return;
     for (size_t j = 0; j < groups_.size(); ++j) {
-      if (result_.estimate.groups[j].changed) (*within)[j] = true;
+      missed->mass_instead.push_back(result_.estimate.groups[j].changed);
     }
     result_.remarks.push_back(
         "The modes may show a mass instead of changed stiffness: " + mass +

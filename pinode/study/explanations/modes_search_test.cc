@@ -1,0 +1,132 @@
+#include "pinode/study/explanations/modes_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "pinode/structure/model/modal_analysis.h"
+#include "pinode/study/damage/mass_instead.h"
+#include "pinode/study/identify/identify.h"
+#include "tests/support/estimate_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Five floors whose stiffness is free, and four measured modes, at all DOFs, of
+// a chain with one other mass, with 0.1 % noise in frequencies and 0.01 in
+// shapes.
+IdentificationProblem MeasuredModes(double added_mass, int at,
+                                    const Vector& alpha, unsigned seed) {
+  IdentificationProblem problem;
+  const auto chain = testing::MakeGroupedChain(5, 100.0, 0.5);
+  problem.dynamics = chain;
+  StructuralModel truth = chain->CorrectedModel(alpha);
+  truth.mass(at, at) *= 1.0 + added_mass;
+  ModalProperties modes;
+  std::string error;
+  EXPECT_TRUE(
+      ComputeModes(truth.mass, truth.damping, truth.stiffness, &modes, &error))
+      << error;
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> noise;
+  for (int j = 0; j < 4; ++j) {
+    MeasuredMode mode;
+    mode.name = std::to_string(j + 1);
+    mode.frequency = modes.frequency_hz[j] * (1.0 + 1e-3 * noise(generator));
+    mode.frequency_sigma = 1e-3 * modes.frequency_hz[j];
+    mode.dofs = {0, 1, 2, 3, 4};
+    mode.shape = modes.mode_shapes.col(j);
+    mode.shape /= mode.shape.cwiseAbs().maxCoeff();
+    for (double& entry : mode.shape) entry += 0.01 * noise(generator);
+    mode.shape_sigma = 0.01;
+    problem.modal.modes.push_back(std::move(mode));
+  }
+  return problem;
+}
+
+Identification IdentifyModes(const IdentificationProblem& problem) {
+  return Identify(problem, IdentificationOptions(), {}, nullptr);
+}
+
+const Vector& SomeStiffness() {
+  static const Vector alpha{{-0.1, 0.05, 0.12, -0.08, 0.1}};
+  return alpha;
+}
+
+TEST(ModesSearch, HasNothingToSayOfRightModes) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Identification found =
+        IdentifyModes(MeasuredModes(0.0, 0, SomeStiffness(), seed));
+    EXPECT_EQ(found.summary.verdict.grade(), Grade::kGood) << seed;
+    EXPECT_TRUE(found.summary.explanations.empty()) << seed;
+  }
+}
+
+TEST(ModesSearch, NamesTheMass) {
+  const Identification found =
+      IdentifyModes(MeasuredModes(0.25, 2, SomeStiffness(), 1));
+  EXPECT_EQ(found.summary.verdict.grade(), Grade::kWithCare);
+  ASSERT_FALSE(found.summary.explanations.empty());
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "mass") << first.what;
+  EXPECT_EQ(first.place, "u3");
+  EXPECT_LT(first.lower95, 0.25);
+  EXPECT_GT(first.upper95, 0.25);
+  // The intervals hold what the mass makes of the stiffness.
+  for (size_t j = 0; j < 5; ++j) {
+    const ParameterEstimate& own = found.summary.parameters[j];
+    const double truth = SomeStiffness()[static_cast<Eigen::Index>(j)];
+    EXPECT_LT(own.lower95, truth) << own.name;
+    EXPECT_GT(own.upper95, truth) << own.name;
+  }
+}
+
+TEST(ModesSearch, NamesAMisreadMode) {
+  IdentificationProblem problem = MeasuredModes(0.0, 0, SomeStiffness(), 2);
+  problem.modal.modes[2].frequency *= 1.05;
+  const Identification found = IdentifyModes(problem);
+  EXPECT_EQ(found.summary.verdict.grade(), Grade::kWithCare);
+  ASSERT_FALSE(found.summary.explanations.empty());
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "mode") << first.what;
+  EXPECT_EQ(first.place, "3");
+  EXPECT_THAT(first.what, HasSubstr("misread"));
+}
+
+// What a mass in place of changed groups explains, after healthy modes that
+// know the stiffness to 1 %.
+std::string MassInsteadOf(const IdentificationProblem& problem,
+                          const std::vector<std::string>& changed) {
+  const Identification found = IdentifyModes(problem);
+  InnerFit inner;
+  std::vector<std::string> groups;
+  for (const GroupTerm& term : problem.dynamics->groups()) {
+    groups.push_back(term.group.name);
+  }
+  const GroupState healthy{SomeStiffness(), 1e-4 * Matrix::Identity(5, 5)};
+  return MassInstead(problem, IdentificationOptions(), found.model, groups,
+                     {healthy}, changed, &inner);
+}
+
+TEST(MassInstead, IsNamedWhereAMassWasAdded) {
+  const IdentificationProblem problem =
+      MeasuredModes(0.25, 2, SomeStiffness(), 3);
+  const std::string group = problem.dynamics->groups()[3].group.name;
+  EXPECT_THAT(MassInsteadOf(problem, {group}), HasSubstr("the mass at u3"));
+}
+
+TEST(MassInstead, IsNoneWhereStiffnessWasLost) {
+  Vector alpha = SomeStiffness();
+  alpha[3] -= 0.25;
+  const IdentificationProblem problem = MeasuredModes(0.0, 0, alpha, 4);
+  const std::string group = problem.dynamics->groups()[3].group.name;
+  EXPECT_EQ(MassInsteadOf(problem, {group}), "");
+}
+
+}  // namespace
+}  // namespace pinode
