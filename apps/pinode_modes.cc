@@ -10,6 +10,7 @@
 //   pinode_modes --case=C.toml --output_dir=D
 //   pinode_modes --case=wind.csv --columns=all
 //   pinode_modes --case=wind.csv --columns=a1,a2 --output_dir=D
+//   pinode_modes --frf=hammer.uff --output_dir=D
 
 #include <gflags/gflags.h>
 
@@ -22,9 +23,11 @@
 #include "apps/program.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/results/case_picture.h"
 #include "pinode/case/results/modes_files.h"
 #include "pinode/case/results/result_folder.h"
+#include "pinode/case/run/find_frf_modes.h"
 #include "pinode/case/run/find_modes.h"
 #include "pinode/case/sections/modes_section.h"
 #include "pinode/report/modes_report.h"
@@ -43,14 +46,36 @@ DEFINE_string(time, "",
 DEFINE_double(sampling_rate_hz, 0.0,
               "with --columns: sampling rate of files without a time column");
 
+DEFINE_string(
+    frf, "",
+    "files with frequency response functions, separated by commas, in "
+    "place of --case: universal files, or text with frequency and "
+    "real and imaginary part or magnitude and phase");
+DEFINE_string(frf_responses, "",
+              "with --frf: places of the responses, separated by commas; one "
+              "for all or one for each; empty: as the files have them");
+DEFINE_string(frf_references, "",
+              "with --frf: places of the forces, in the same way");
+DEFINE_string(frf_quantity, "",
+              "with --frf: acceleration, velocity or displacement per force, "
+              "if the files do not state it");
+DEFINE_string(frf_band, "",
+              "with --frf: lowest and highest frequency in Hz, as 10,500; "
+              "empty: all lines");
+DEFINE_string(frf_poles, "common",
+              "with --frf: common, or per_file if the structure drifted "
+              "between the files");
+
 namespace pinode {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 bool CheckFlags(std::string* error) {
-  if (FLAGS_case.empty()) {
-    *error = "--case=FILE is missing; see --help";
+  if (FLAGS_case.empty() == FLAGS_frf.empty()) {
+    *error = FLAGS_case.empty()
+                 ? "--case=FILE or --frf=FILES is missing; see --help"
+                 : "--case and --frf are both given, expected one of them";
     return false;
   }
   if (FLAGS_output_dir.empty()) {
@@ -95,6 +120,66 @@ bool ReadInput(ModesCase* c, std::string* error) {
   return ReadModesDataFile(file, c, error);
 }
 
+std::vector<std::string> Names(const std::string& flag) {
+  std::vector<std::string> names;
+  if (flag.empty()) return names;
+  for (const std::string_view name : Split(flag, ',')) {
+    names.emplace_back(name);
+  }
+  return names;
+}
+
+bool ReadFrfFlags(FrfSetup* setup, std::string* error) {
+  setup->files = Names(FLAGS_frf);
+  setup->responses = Names(FLAGS_frf_responses);
+  setup->references = Names(FLAGS_frf_references);
+  setup->quantity = FLAGS_frf_quantity;
+  ModeIdentificationOptions& options = setup->options.identification;
+  options.num_threads = DefaultThreads();
+  const std::vector<std::string> band = Names(FLAGS_frf_band);
+  if (!band.empty() &&
+      (band.size() != 2 || !ParseDouble(band[0], &options.lowest_hz) ||
+       !ParseDouble(band[1], &options.highest_hz) ||
+       !(options.lowest_hz >= 0.0) ||
+       !(options.highest_hz > options.lowest_hz))) {
+    *error = "--frf_band=" + FLAGS_frf_band +
+             ", expected two ascending frequencies in Hz, as 10,500";
+    return false;
+  }
+  if (FLAGS_frf_poles != "common" && FLAGS_frf_poles != "per_file") {
+    *error = "--frf_poles=" + FLAGS_frf_poles + ", expected common or per_file";
+    return false;
+  }
+  setup->options.poles_per_file = FLAGS_frf_poles == "per_file";
+  return true;
+}
+
+// Reads the input and finds its modes. For frequency response functions, *c
+// gets their name alone.
+bool ReadAndFind(ModesCase* c, FoundModes* found,
+                 std::vector<ModesOfFrfs>* frfs, std::string* error) {
+  if (FLAGS_frf.empty())
+    return ReadInput(c, error) && FindModes(*c, found, error);
+  for (const char* name :
+       {"columns", "quantities", "time", "sampling_rate_hz"}) {
+    if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
+      *error = "--" + std::string(name) + " is for --case, not for --frf";
+      return false;
+    }
+  }
+  FrfSetup setup;
+  frfs->resize(1);
+  if (!ReadFrfFlags(&setup, error) ||
+      !FindModesOfFrfFiles(setup, &frfs->front(), found, error)) {
+    return false;
+  }
+  c->path = FLAGS_frf;
+  c->title = "Modes of " + found->result.setups[0];
+  c->records.resize(1);
+  c->records[0].name = found->result.setups[0];
+  return true;
+}
+
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
@@ -103,7 +188,8 @@ int RunProgram(int argc, char** argv) {
   if (!ParseFlags(argc, argv,
                   "pinode_modes --case=FILE [--output_dir=FOLDER]\n\n"
                   "Identifies the modes of a structure from records of its "
-                  "vibration. It needs no model.",
+                  "vibration, or from frequency response functions (--frf). It "
+                  "needs no model.",
                   &status)) {
     return status;
   }
@@ -111,19 +197,17 @@ int RunProgram(int argc, char** argv) {
     return Refuse("pinode_modes runs in one process, expected no launcher");
   }
 
-  // 1. All checks of the input, before any work.
+  // 1. The modes of each record, and of all.
   std::string error;
   ModesCase c;
-  if (!CheckFlags(&error) || !ReadInput(&c, &error)) {
+  FoundModes found;
+  std::vector<ModesOfFrfs> frfs;
+  if (!CheckFlags(&error) || !ReadAndFind(&c, &found, &frfs, &error)) {
     return Refuse(error);
   }
-
-  // 2. The modes of each record, and of all.
-  FoundModes found;
-  if (!FindModes(c, &found, &error)) return Refuse(error);
   const ModesResult& result = found.result;
 
-  // 3. The folder, with a report, unless the modes are printed alone.
+  // 2. The folder, with a report, unless the modes are printed alone.
   if (FLAGS_output_dir.empty()) return PrintModes(result);
   const double seconds =
       std::chrono::duration<double>(Clock::now() - begin).count();
@@ -133,6 +217,7 @@ int RunProgram(int argc, char** argv) {
   report.records = &c.records;
   report.by_record = &found.by_record;
   report.merged = &result.merged;
+  if (!frfs.empty()) report.frfs = &frfs;
   report.remarks = result.remarks;
   if (found.picture.has_value()) report.structure = &*found.picture;
   HtmlReportOptions report_options;
@@ -143,6 +228,8 @@ int RunProgram(int argc, char** argv) {
     return Refuse(error);
   }
   if (!WriteModesFiles(result, folder.working_path(), &error) ||
+      (!frfs.empty() &&
+       !WriteFrfFiles(frfs.front(), folder.working_path(), &error)) ||
       !WriteVtu(found.picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||
@@ -150,7 +237,7 @@ int RunProgram(int argc, char** argv) {
     return CannotWrite(error, folder);
   }
 
-  // 4. Output on the console.
+  // 3. Output on the console.
   status = PrintModes(result);
   Print("Results: %s\n", folder.final_path().c_str());
   return status;

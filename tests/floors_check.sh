@@ -53,7 +53,8 @@ awk '
     # Rooms of a folder, lowest first. A folder without an entry has none.
     rooms["base"] = ". arrays"
     rooms["structure"] = "model sparse matrices decks"
-    rooms["record"] = ". files"
+    rooms["record"] = ". files frf"
+    rooms["modal"] = ". frf"
     rooms["estimate"] = "solver shooting start ambient objective certainty fit ."
     rooms["study"] = "problem reduction terms explanations identify laws sensors damage picture"
     rooms["case"] = "text sections draft results run"

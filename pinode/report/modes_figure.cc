@@ -80,7 +80,10 @@ Figure MakeStabilisationFigure(const ResponseRecord& record,
   figure.id = "stabilisation" + std::to_string(number);
   FigureScript script(figure.id, 900, 460);
   const Interval range = FrequencyRange(modes);
-  const Spectra spectra = EstimateSpectra(record, 0, kSingularValues);
+  // A record of frequency response functions has no samples.
+  const Spectra spectra = record.samples.size() > 0
+                              ? EstimateSpectra(record, 0, kSingularValues)
+                              : Spectra();
   script.Line("set xlabel 'frequency, Hz'");
   script.Line("set ylabel 'model order'");
   script.Line("set y2label 'singular values of the spectra, dB'");

@@ -10,6 +10,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/modal/frf/frf_modes.h"
 #include "pinode/modal/stabilisation.h"
 #include "pinode/report/number_text.h"
 #include "pinode/report/page_data.h"
@@ -165,6 +166,23 @@ std::string MethodSentence(ModalMethod method) {
   }
 }
 
+std::string FrfSentence() {
+  return "Frequency response functions: poles by poly-reference least squares "
+         "over models of all orders, then a modal model by maximum likelihood. "
+         "Intervals come from its information matrix and the noise that "
+         "it leaves.";
+}
+
+TextTable MakeErrorsTable(const ModesOfFrfs& frfs) {
+  TextTable table({{"response / reference", Align::kLeft},
+                   {"error of synthesis, %", Align::kDecimal}});
+  for (Eigen::Index p = 0; p < frfs.errors.size(); ++p) {
+    table.AddRow({frfs.pair_names[static_cast<size_t>(p)],
+                  ReadableNumber(100.0 * frfs.errors[p], 3)});
+  }
+  return table;
+}
+
 TextTable MakeExplainedTable(const ResponseRecord& record,
                              const ModalSpectra& spectra) {
   TextTable table(
@@ -220,6 +238,11 @@ std::string RenderModesReport(const ModesReportInput& input,
     const ModesOfRecord& modes = (*input.by_record)[r];
     const int number = static_cast<int>(r);
     diagrams.push_back(plan(MakeStabilisationFigure(record, modes, number)));
+    if (input.frfs != nullptr) {
+      spectra.emplace_back();
+      spectra_figures.push_back(plan(MakeFrfFigure((*input.frfs)[r], number)));
+      continue;
+    }
     spectra.push_back(FitModalSpectra(record, modes));
     spectra_figures.push_back(
         plan(MakeModalSpectraFigure(record, spectra.back(), number)));
@@ -261,13 +284,19 @@ std::string RenderModesReport(const ModesReportInput& input,
   for (size_t r = 0; r < input.records->size(); ++r) {
     PageData record;
     record.set("name", (*input.records)[r].name);
-    record.set("method", MethodSentence((*input.by_record)[r].method));
+    record.set("method", input.frfs != nullptr
+                             ? FrfSentence()
+                             : MethodSentence((*input.by_record)[r].method));
     record.set("diagram", picture(diagrams[r]));
     record.set("spectra", picture(spectra_figures[r]));
     SetIf("explained", spectra[r].explained.size() > 0,
           TableData(MakeExplainedTable((*input.records)[r], spectra[r])),
           &record);
-    record.set("bands", TableData(MakeBandsTable((*input.by_record)[r])));
+    if (input.frfs != nullptr) {
+      record.set("bands", TableData(MakeErrorsTable((*input.frfs)[r])));
+    } else {
+      record.set("bands", TableData(MakeBandsTable((*input.by_record)[r])));
+    }
     records.push_back(record);
   }
   page.set("records", records);

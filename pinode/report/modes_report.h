@@ -17,12 +17,17 @@
 
 namespace pinode {
 
+struct ModesOfFrfs;
+
 struct ModesReportInput {
   std::string title;
   ReportOrigin origin;
   const std::vector<ResponseRecord>* records = nullptr;
   const std::vector<ModesOfRecord>* by_record = nullptr;  // per record
   const MergedModes* merged = nullptr;
+  // Frequency response functions, if these were measured: one entry for each
+  // record, which then has a name alone.
+  const std::vector<ModesOfFrfs>* frfs = nullptr;
   // Picture of the structure; nullptr: its geometry is unknown.
   const StructurePicture* structure = nullptr;
   std::vector<std::string> remarks;
@@ -44,6 +49,9 @@ Figure MakeStabilisationFigure(const ResponseRecord& record,
 // Makes the spectra of the channels, compared with those of the modes.
 Figure MakeModalSpectraFigure(const ResponseRecord& record,
                               const ModalSpectra& spectra, int number);
+
+// Makes magnitude and phase of the first functions, measured and synthesised.
+Figure MakeFrfFigure(const ModesOfFrfs& frfs, int number);
 
 // Makes the real parts of the first shapes (at most `most`) with 95 %
 // intervals, by place.

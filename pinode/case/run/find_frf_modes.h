@@ -1,0 +1,37 @@
+// Modes of files with frequency response functions.
+
+#ifndef PINODE_CASE_RUN_FIND_FRF_MODES_H_
+#define PINODE_CASE_RUN_FIND_FRF_MODES_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/case/run/find_modes.h"
+#include "pinode/modal/frf/frf_modes.h"
+
+namespace pinode {
+
+// Files with the frequency response functions of one set-up.
+struct FrfSetup {
+  std::vector<std::string> files;
+  // Places, one for all functions, or one for each in the order of the files;
+  // empty: as the files have them.
+  std::vector<std::string> responses, references;
+  // "acceleration", "velocity", "displacement"; empty: as the files state.
+  std::string quantity;
+  FrfModesOptions options;
+};
+
+// Reads the files and finds their modes. *frfs has what the report shows beside
+// *found. Fails with one line that says what to do.
+[[nodiscard]] bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
+                                       FoundModes* found, std::string* error);
+
+// Writes residues.csv to `folder`, a row for each mode: modal mass, modal A,
+// and the residues of receptance with the deviations of their parts.
+[[nodiscard]] bool WriteFrfFiles(const ModesOfFrfs& frfs,
+                                 const std::string& folder, std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_CASE_RUN_FIND_FRF_MODES_H_

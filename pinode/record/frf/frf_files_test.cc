@@ -1,0 +1,122 @@
+// Readers of frequency response functions.
+
+#include "pinode/record/frf/frf_files.h"
+
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/constants.h"
+
+namespace pinode {
+namespace {
+
+using Complex = std::complex<double>;
+using ::testing::HasSubstr;
+
+bool Parse(const std::string& text, FrequencyResponse* response,
+           std::string* error) {
+  std::vector<std::string> remarks;
+  return ParseFrfText(text, "f.txt", response, &remarks, error);
+}
+
+TEST(FrfFilesTest, ReadsRealAndImaginaryWithUnits) {
+  FrequencyResponse one;
+  std::string error;
+  ASSERT_TRUE(
+      Parse("Units: Ratio\r\nRef Chan:Resp Chan\t0-Z:0-Z\r\n\r\n"
+            "Frequency\t Real\t Imaginary\r\n\r\nUnits:\r\n"
+            "Hz\t(m/s\xb2)(N)\t \r\n"
+            "0.0e+000\t -0.5\t 0\r\n1.5e+000\t 2\t -3\r\n",
+            &one, &error))
+      << error;
+  EXPECT_EQ(one.derivative, 2);
+  ASSERT_EQ(one.values.size(), 2);
+  EXPECT_EQ(one.frequencies_hz[1], 1.5);
+  EXPECT_EQ(one.values[1], Complex(2.0, -3.0));
+}
+
+TEST(FrfFilesTest, ReadsDecibelsAndDegrees) {
+  FrequencyResponse one;
+  std::string error;
+  ASSERT_TRUE(Parse("Frequency\tMagnitude\tPhase\t\n1\t-20\t90\n2\t40\t-180\n",
+                    &one, &error))
+      << error;
+  EXPECT_NEAR(std::abs(one.values[0] - Complex(0.0, 0.1)), 0.0, 1e-15);
+  EXPECT_NEAR(std::abs(one.values[1] - Complex(-100.0, 0.0)), 0.0, 1e-12);
+  EXPECT_EQ(one.derivative, -1);
+}
+
+TEST(FrfFilesTest, MalformedTextGivesOneLine) {
+  const struct {
+    const char* text;
+    const char* message;
+  } cases[] = {
+      {"", "has no lines of numbers"},
+      {"Frequency,Real\n1,2\n", "f.txt:1: the columns"},
+      {"1 2 3\n", "f.txt:1: no header names the columns"},
+      {"freq;real;imag\n1;2;3\n2;3\n", "f.txt:3: has 2 numbers, expected 3"},
+      {"freq;real;imag\n1;2;3\n2;x;3\n", "f.txt:3:"},
+  };
+  for (const auto& bad : cases) {
+    FrequencyResponse one;
+    std::string error;
+    EXPECT_FALSE(Parse(bad.text, &one, &error)) << bad.text;
+    EXPECT_THAT(error, HasSubstr(bad.message));
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+  }
+}
+
+FrequencyResponse Single(const std::string& response,
+                         const std::string& reference) {
+  FrequencyResponse one;
+  one.file = response + reference + ".uff";
+  one.response = response;
+  one.reference = reference;
+  one.derivative = 2;
+  one.frequencies_hz = Vector::LinSpaced(3, 1.0, 3.0);
+  one.values = ComplexVector::Constant(3, Complex(1.0, 2.0));
+  return one;
+}
+
+TEST(FrequencyResponsesTest, SignsOfPlacesAreSignsOfFunctions) {
+  FrequencyResponses all;
+  std::string error;
+  ASSERT_TRUE(AssembleFrequencyResponses(
+      {Single("1:-x", "2:y"), Single("3:z", "2:y")}, &all, &error))
+      << error;
+  EXPECT_EQ(all.responses, (std::vector<std::string>{"1:x", "3:z"}));
+  EXPECT_EQ(all.values(0, 0), Complex(-1.0, -2.0));
+  EXPECT_EQ(all.values(0, 1), Complex(1.0, 2.0));
+}
+
+TEST(FrequencyResponsesTest, IncompleteSetsAreNamed) {
+  FrequencyResponses all;
+  std::string error;
+  EXPECT_FALSE(AssembleFrequencyResponses({}, &all, &error));
+  EXPECT_FALSE(AssembleFrequencyResponses({Single("a", "b"), Single("a", "b")},
+                                          &all, &error));
+  EXPECT_THAT(error, HasSubstr("occurs twice"));
+  EXPECT_FALSE(AssembleFrequencyResponses({Single("a", "a"), Single("b", "b")},
+                                          &all, &error));
+  EXPECT_THAT(error, HasSubstr("'b' to reference 'a' is missing"));
+  FrequencyResponse other = Single("c", "b");
+  other.derivative = 0;
+  EXPECT_FALSE(
+      AssembleFrequencyResponses({Single("a", "b"), other}, &all, &error));
+  EXPECT_THAT(error, HasSubstr("receptance"));
+  other = Single("c", "b");
+  other.frequencies_hz[2] = 3.5;
+  EXPECT_FALSE(
+      AssembleFrequencyResponses({Single("a", "b"), other}, &all, &error));
+  EXPECT_THAT(error, HasSubstr("its lines are not those of"));
+  other = Single("", "b");
+  EXPECT_FALSE(AssembleFrequencyResponses({other}, &all, &error));
+  EXPECT_THAT(error, HasSubstr("set responses"));
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "pinode/base/constants.h"
+#include "pinode/modal/frf/frf_modes.h"
+#include "pinode/report/figure_script.h"
+#include "pinode/report/gnuplot.h"
+#include "pinode/report/modes_report.h"
+
+namespace pinode {
+namespace {
+
+constexpr int kMostFrfPanels = 6;
+constexpr Eigen::Index kMostFrfLines = 900;
+
+// Returns frequency, magnitude in dB and phase in degrees. Neighbouring lines
+// are drawn as the largest of them.
+std::vector<std::vector<double>> FrfCurve(const Vector& frequencies,
+                                          const ComplexVector& values) {
+  std::vector<std::vector<double>> columns(3);
+  const Eigen::Index stride = frequencies.size() / kMostFrfLines + 1;
+  for (Eigen::Index k = 0; k < frequencies.size(); k += stride) {
+    const Eigen::Index count = std::min(stride, frequencies.size() - k);
+    Eigen::Index at = 0;
+    const double largest = values.segment(k, count).cwiseAbs().maxCoeff(&at);
+    columns[0].push_back(frequencies[k + at]);
+    columns[1].push_back(20.0 * std::log10(std::max(largest, 1e-30)));
+    columns[2].push_back(std::arg(values[k + at]) * 180.0 / kPi);
+  }
+  return columns;
+}
+
+}  // namespace
+
+Figure MakeFrfFigure(const ModesOfFrfs& frfs, int number) {
+  Figure figure;
+  const Eigen::Index pairs = frfs.measured.cols();
+  if (pairs == 0 || frfs.frequencies_hz.size() < 2) return figure;
+  figure.id = "frfs" + std::to_string(number);
+  const int panels =
+      static_cast<int>(std::min<Eigen::Index>(pairs, kMostFrfPanels));
+  FigureScript script(figure.id, 900, 60 + 210 * panels);
+  script.Line("set multiplot layout " + std::to_string(panels) + ",2");
+  script.Line("set key outside top right horizontal");
+  script.Line("set xlabel 'frequency, Hz'");
+  script.Line(Range("x", frfs.frequencies_hz[0],
+                    frfs.frequencies_hz[frfs.frequencies_hz.size() - 1]));
+  for (int p = 0; p < panels; ++p) {
+    const std::string measured =
+        script.Data(FrfCurve(frfs.frequencies_hz, frfs.measured.col(p)));
+    const std::string synthesised =
+        script.Data(FrfCurve(frfs.frequencies_hz, frfs.synthesised.col(p)));
+    script.Line("set title " +
+                GnuplotString(frfs.pair_names[static_cast<size_t>(p)]) +
+                " offset 0,-0.6");
+    const char* const columns[] = {" using 1:2", " using 1:3"};
+    const char* const labels[] = {"set ylabel 'magnitude, dB'",
+                                  "set ylabel 'phase, degrees'"};
+    for (int side = 0; side < 2; ++side) {
+      script.Line(labels[side]);
+      script.Line(side == 0 ? "set yrange [*:*]" : "set yrange [-190:190]");
+      script.Line(
+          "plot " + measured + columns[side] + " with lines " + kMeasuredLine +
+          (p == 0 && side == 0 ? " title 'measured'" : " notitle") + ", " +
+          synthesised + columns[side] + " with lines " + kUpdatedLine +
+          (p == 0 && side == 0 ? " title 'synthesised'" : " notitle"));
+      script.Line("unset key");
+    }
+  }
+  script.Line("unset multiplot");
+  figure.script = script.text();
+  figure.caption =
+      "Frequency response functions, measured and synthesised from the modes "
+      "and the residuals of modes outside of the band.";
+  if (panels < pairs) figure.caption += " The first functions alone.";
+  return figure;
+}
+
+}  // namespace pinode
