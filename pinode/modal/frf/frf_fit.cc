@@ -24,7 +24,7 @@ constexpr double kMostCorrelation = 0.99;
 // Rounds of fitting and estimating the noise, and the largest change of a
 // variance at which they end.
 constexpr int kMostRounds = 12;
-constexpr double kSmallestNoiseChange = 1e-3;
+constexpr double kSmallestNoiseChange = 3e-3;
 // Iterations of the likelihood of floor and share.
 constexpr int kNoiseIterations = 50;
 // Least variance, as a part of the mean square of the output: rounding.
@@ -74,7 +74,14 @@ class ReducedFrfCost : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const FrfFit fit = model_.Solve(Moved(start_, parameters[0]));
+    const Vector at = Eigen::Map<const Vector>(
+        parameters[0], static_cast<Index>(units_.size()));
+    // Ceres asks for the Jacobian where it has just asked for the cost.
+    if (at_.size() != at.size() || at_ != at) {
+      fit_ = model_.Solve(Moved(start_, parameters[0]));
+      at_ = at;
+    }
+    const FrfFit& fit = fit_;
     if (!std::isfinite(fit.cost) || !fit.normal.allFinite()) return false;
     const Index size = static_cast<Index>(units_.size());
     const Vector units = Eigen::Map<const Vector>(units_.data(), size);
@@ -120,6 +127,8 @@ class ReducedFrfCost : public ceres::CostFunction {
   const FrfModel& model_;
   const std::vector<FrfMode>& start_;
   std::vector<double> units_;
+  mutable Vector at_;  // of fit_
+  mutable FrfFit fit_;
 };
 
 std::vector<FrfMode> Minimise(const FrfModel& model,

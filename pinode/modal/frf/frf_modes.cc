@@ -136,7 +136,7 @@ class FrfModesFinder {
     }
     std::vector<FrfMoments> moments = MomentsOf(model, search.fit);
     if (options_.poles_per_file && !moments.empty()) {
-      if (!FitEachFile(&search, &moments)) return false;
+      if (!FitEachFile(model, &search, &moments)) return false;
     }
     TakeModes(candidates, search.kept, moments, model.unknowns_of_mode());
     TakeSynthesis(search.fit.residuals);
@@ -160,8 +160,24 @@ class FrfModesFinder {
     }
   }
 
+  // Returns true if a stronger mode is nearer than the decay rates of both.
+  // Poles that all files share need several of them for one that drifts.
+  static bool IsCopy(const FrfModel& model, const FrfFit& fit, size_t m) {
+    const double gain = model.GainOf(fit, m);
+    for (size_t other = 0; other < fit.modes.size(); ++other) {
+      const Complex apart = fit.modes[other].s - fit.modes[m].s;
+      const double decays = -fit.modes[other].s.real() - fit.modes[m].s.real();
+      if (other != m && std::abs(apart.imag()) < decays &&
+          model.GainOf(fit, other) > gain) {
+        return true;
+      }
+    }
+    return false;
+  }
+
   // Replaces moments and residuals by those of fits with poles of each file.
-  bool FitEachFile(FrfSearchResult* search, std::vector<FrfMoments>* moments) {
+  bool FitEachFile(const FrfModel& model, FrfSearchResult* search,
+                   std::vector<FrfMoments>* moments) {
     const FrfData& data = selection_.data;
     if (data.references > 1) {
       *error_ = "'" + all_.name +
@@ -171,7 +187,13 @@ class FrfModesFinder {
       return false;
     }
     std::vector<FrfMode> common;
-    for (const FrfMoments& own : *moments) common.push_back(own.mode);
+    std::vector<size_t> kept;
+    for (size_t m = 0; m < moments->size(); ++m) {
+      if (IsCopy(model, search->fit, m)) continue;
+      common.push_back((*moments)[m].mode);
+      kept.push_back(search->kept[m]);
+    }
+    search->kept = kept;
     std::vector<std::complex<double>> drift;
     *moments = FitPolesPerFile(
         data, common, all_.files, search->complex_residuals,

@@ -61,16 +61,17 @@ bool Check(const FrequencyResponse& one, const FrequencyResponse& first,
             ", expected the same frequencies; give it as another set-up";
   } else if (one.derivative < 0) {
     *what =
-        "does not say what was measured; set quantity to receptance, mobility "
-        "or accelerance";
+        "does not say what was measured; set the quantity (--frf_quantity) to "
+        "acceleration, velocity or displacement";
   } else if (one.derivative != first.derivative) {
     *what = std::string("is a ") + FrfQuantityName(one.derivative) + ", but " +
             first.file + " a " + FrfQuantityName(first.derivative) +
             ", expected one quantity; give it as another set-up";
   } else if (one.response.empty() || one.reference.empty()) {
-    *what = std::string("does not name the place of its ") +
-            (one.response.empty() ? "response; set responses"
-                                  : "reference; set references");
+    *what =
+        std::string("does not name the place of its ") +
+        (one.response.empty() ? "response; set responses (--frf_responses)"
+                              : "reference; set references (--frf_references)");
   } else {
     return true;
   }

@@ -10,6 +10,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
+#include "pinode/base/file.h"
+#include "pinode/record/files/universal_file.h"
 
 namespace pinode {
 namespace {
@@ -68,6 +70,84 @@ TEST(FrfFilesTest, MalformedTextGivesOneLine) {
     EXPECT_THAT(error, HasSubstr(bad.message));
     EXPECT_EQ(error.find('\n'), std::string::npos);
   }
+}
+
+UniversalFile Universal() {
+  UniversalFile file;
+  UniversalFunction f;
+  f.function_type = 4;
+  f.response_node = 3;
+  f.response_direction = -3;
+  f.reference_node = 1;
+  f.reference_direction = 3;
+  f.ordinate_axis.type = 12;
+  f.denominator_axis.type = 13;
+  f.abscissa_axis.type = 18;
+  f.is_complex = true;
+  f.abscissa_start = 2.0;
+  f.abscissa_step = 0.5;
+  f.values.resize(3);
+  f.values << Complex(1.0, 2.0), Complex(3.0, -4.0), Complex(0.5, 0.25);
+  file.functions.push_back(f);
+  f.function_type = 6;
+  f.is_complex = false;
+  f.values = ComplexVector::Constant(3, Complex(0.9, 0.0));
+  file.functions.push_back(f);
+  return file;
+}
+
+bool ReadUniversal(const UniversalFile& file,
+                   std::vector<FrequencyResponse>* all, std::string* error) {
+  const std::string path = ::testing::TempDir() + "/frf_files_test.uff";
+  std::vector<std::string> remarks;
+  return WriteFileAtomically(path, FormatUniversalFile(file), error) &&
+         ReadFrfFile(path, {}, all, &remarks, error);
+}
+
+TEST(FrfFilesTest, ReadsUniversalFiles) {
+  std::vector<FrequencyResponse> all;
+  std::string error;
+  ASSERT_TRUE(ReadUniversal(Universal(), &all, &error)) << error;
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].response, "3:-z");
+  EXPECT_EQ(all[0].reference, "1:z");
+  EXPECT_EQ(all[0].derivative, 2);
+  EXPECT_EQ(all[0].frequencies_hz, Vector::LinSpaced(3, 2.0, 3.0));
+  EXPECT_EQ(all[0].values[1], Complex(3.0, -4.0));
+  ASSERT_EQ(all[0].coherence.size(), 3);
+  EXPECT_NEAR(all[0].coherence[2], 0.9, 1e-7);
+  FrequencyResponses together;
+  ASSERT_TRUE(AssembleFrequencyResponses(all, &together, &error)) << error;
+  EXPECT_EQ(together.responses[0], "3:z");
+  EXPECT_EQ(together.values(1, 0), Complex(-3.0, 4.0));
+  EXPECT_EQ(together.variances.rows(), 3);
+}
+
+TEST(FrfFilesTest, UnevenAndUnsuitedUniversalFunctions) {
+  UniversalFile file = Universal();
+  file.functions[0].abscissa.resize(3);
+  file.functions[0].abscissa << 1.0, 2.0, 4.0;
+  std::vector<FrequencyResponse> all;
+  std::string error;
+  ASSERT_TRUE(ReadUniversal(file, &all, &error)) << error;
+  EXPECT_EQ(all[0].frequencies_hz[2], 4.0);
+  file = Universal();
+  file.functions[0].denominator_axis.type = 12;
+  EXPECT_FALSE(ReadUniversal(file, &all, &error));
+  EXPECT_THAT(error, HasSubstr("no force as its reference"));
+  file = Universal();
+  file.functions[0].ordinate_axis.type = 15;
+  EXPECT_FALSE(ReadUniversal(file, &all, &error));
+  EXPECT_THAT(error, HasSubstr("is no motion"));
+  file = Universal();
+  file.functions[0].is_complex = false;
+  EXPECT_FALSE(ReadUniversal(file, &all, &error));
+  EXPECT_THAT(error, HasSubstr("real values only"));
+  file = Universal();
+  file.functions.erase(file.functions.begin());
+  all.clear();
+  EXPECT_FALSE(ReadUniversal(file, &all, &error));
+  EXPECT_THAT(error, HasSubstr("holds no frequency response function"));
 }
 
 FrequencyResponse Single(const std::string& response,
