@@ -33,7 +33,8 @@ beside the other documents of pinode.
 .BR pinode_update (1),
 .BR pinode_discover (1),
 .BR pinode_damage (1),
-.BR pinode_modes (1)
+.BR pinode_modes (1),
+.BR pinode_app (1)
 END
 
 help2man --no-info --name="$name" --include="$scratch/include" \

@@ -12,7 +12,7 @@
 # Includes of the project are written from its root, so that none escapes this
 # check. Third parties that have one
 # door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
-# MPI in pinode/mpi, pybind11 in pinode/python.
+# MPI in pinode/mpi, pybind11 in pinode/python, httplib in pinode/app.
 #
 # Prints `file:line: what, and what was expected` for each violation and exits
 # 1 if there is one; exits 2 if there is nothing to check.
@@ -49,7 +49,7 @@ awk '
     floor["discover"] = floor["damage"] = 6
     floor["study"] = 7
     floor["case"] = floor["report"] = floor["mpi"] = 8
-    floor["python"] = 9
+    floor["app"] = floor["python"] = 9
     # Rooms of a folder, lowest first. A folder without an entry has none.
     rooms["base"] = ". arrays"
     rooms["structure"] = "model sparse matrices decks"
@@ -61,7 +61,7 @@ awk '
     rooms["python"] = "binding"
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics modal integrate " \
-                  "problem estimate discover damage study case report mpi python", folders, " ")
+                  "problem estimate discover damage study case report mpi app python", folders, " ")
   }
 
   function Fail(message) {
@@ -113,6 +113,9 @@ awk '
     }
     if (header ~ /^pybind11\// && FILENAME !~ /^pinode\/python\//) {
       Fail("includes " header ", expected pybind11 in pinode/python only")
+    }
+    if (header == "httplib.h" && FILENAME !~ /^pinode\/app\//) {
+      Fail("includes " header ", expected httplib in pinode/app only")
     }
     if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
       Fail("includes " header ", expected pinode/base/communicator.h")

@@ -1,0 +1,240 @@
+// What the page can do: steps that run in their own thread, and changes of the
+// list of files and works.
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "pinode/app/session.h"
+
+namespace pinode {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string TextOf(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) && json[key].is_string()
+             ? json[key].get<std::string>()
+             : "";
+}
+
+bool IsStep(const std::string& action) {
+  return action == "check" || action == "fit" || action == "compare" ||
+         action == "modes";
+}
+
+}  // namespace
+
+// Shows the progress of a step to the page, and stops it on request.
+class JobWatch : public CaseWatch {
+ public:
+  explicit JobWatch(Session* session) : session_(*session) {}
+
+  bool OnIteration(const std::string& what, const IdentificationProblem&,
+                   const IdentificationProgress& progress) override {
+    const std::lock_guard<std::mutex> lock(session_.mutex_);
+    session_.job_.detail = what;
+    session_.job_.progress = progress;
+    session_.job_.progress.model = nullptr;
+    session_.Changed();
+    return !session_.stop_;
+  }
+  void OnProfile(const std::vector<ParameterProfile>& done, int of) override {
+    const std::lock_guard<std::mutex> lock(session_.mutex_);
+    session_.job_.detail =
+        "profile " + std::to_string(done.size()) + " of " + std::to_string(of);
+    session_.Changed();
+  }
+  bool StopsProfiles() override { return session_.stop_; }
+  void OnTrouble(const std::string& sentence) override {
+    const std::lock_guard<std::mutex> lock(session_.mutex_);
+    session_.job_.troubles.push_back(session_.folder_.ForReader(sentence));
+    session_.Changed();
+  }
+
+ private:
+  Session& session_;
+};
+
+void Session::RunJob(const std::string& kind, bool resume, WorkState state,
+                     const WorkFile& file,
+                     const std::vector<std::string>& columns) {
+  WorkFolder folder;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    folder = folder_;
+  }
+  JobWatch watch(this);
+  DraftQuestion question;
+  std::string error;
+  bool good = false;
+  try {
+    if (kind == "check") {
+      good = CheckWork(folder, &state, &question, &error);
+    } else if (kind == "fit") {
+      good = FitWork(folder, resume, &watch, &error);
+    } else if (kind == "compare") {
+      good = CompareWork(folder, resume, &watch, &error);
+    } else {
+      good = FindModesOfWork(folder, state, file, columns, &error);
+    }
+  } catch (const std::bad_alloc&) {
+    error = "there is not enough memory; use fewer samples or sensors";
+  } catch (const std::exception& exception) {
+    error = std::string("the step failed: ") + exception.what();
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (good) {
+    if (kind == "check") {
+      state_.is_checked = true;
+      state_.is_result_old = state.is_result_old;
+      state_.is_damage_old = state.is_damage_old;
+      state_.assumptions = state.assumptions;
+      state_.remarks = state.remarks;
+    } else if (kind == "fit") {
+      state_.is_result_old = false;
+      state_.is_damage_old = true;
+    } else if (kind == "compare") {
+      state_.is_damage_old = false;
+    }
+  } else if (question.flag.empty()) {
+    job_.error = folder.ForReader(error);
+  } else {
+    question.text = folder.ForReader(question.text);
+    job_.question = question;
+  }
+  std::string unsaved;
+  if (!SaveLocked(&unsaved)) job_.troubles.push_back(unsaved);
+  job_.running = false;
+  job_ended_.notify_all();
+}
+
+bool Session::StartJob(const std::string& action, const Json& json,
+                       std::string* error) {
+  if (job_.running) {
+    *error = "another step is running; wait for its end or stop it";
+    return false;
+  }
+  if ((action == "fit" || action == "compare") && !state_.is_checked) {
+    *error = "check the case first: files or answers have changed";
+    return false;
+  }
+  std::error_code status;
+  if (action == "compare" && !fs::exists(folder_.later_case_path(), status)) {
+    *error = "there is no record of a later state; add one and check the case";
+    return false;
+  }
+  WorkFile file;
+  std::vector<std::string> columns;
+  if (action == "modes") {
+    size_t index = 0;
+    if (!FindFileLocked(json, &index, error)) return false;
+    file = state_.files[index];
+    if (json.contains("columns") && json["columns"].is_array()) {
+      for (const Json& column : json["columns"]) {
+        if (column.is_string()) columns.push_back(column.get<std::string>());
+      }
+    }
+    if (columns.empty()) columns.emplace_back("all");
+  }
+  const bool resume = json.contains("resume") && json["resume"] == true;
+  if (worker_.joinable()) worker_.join();
+  job_ = Job();
+  job_.kind = action;
+  job_.running = true;
+  stop_ = false;
+  Changed();
+  worker_ = std::thread(&Session::RunJob, this, action, resume, state_, file,
+                        columns);
+  return true;
+}
+
+bool Session::FindFileLocked(const Json& json, size_t* index,
+                             std::string* error) const {
+  const std::string name = TextOf(json, "name");
+  FileUse use;
+  if (FindFileUse(TextOf(json, "use"), &use)) {
+    for (size_t i = 0; i < state_.files.size(); ++i) {
+      if (state_.files[i].name == name && state_.files[i].use == use) {
+        *index = i;
+        return true;
+      }
+    }
+  }
+  *error = "there is no such file";
+  return false;
+}
+
+bool Session::ActOnFile(const std::string& action, const Json& json,
+                        std::string* error) {
+  size_t index = 0;
+  if (!FindFileLocked(json, &index, error)) return false;
+  const WorkFile file = state_.files[index];
+  std::error_code status;
+  if (action == "remove") {
+    fs::remove(folder_.PathOf(file), status);
+    state_.files.erase(state_.files.begin() +
+                       static_cast<std::ptrdiff_t>(index));
+  } else {
+    WorkFile moved = file;
+    if (!FindFileUse(TextOf(json, "to"), &moved.use)) {
+      *error = "it is not stated for which state the file is";
+      return false;
+    }
+    if (fs::exists(folder_.PathOf(moved), status)) {
+      *error = "there is a file of this name for that state already";
+      return false;
+    }
+    fs::rename(folder_.PathOf(file), folder_.PathOf(moved), status);
+    if (status) {
+      *error = file.name + " cannot be moved: " + status.message();
+      return false;
+    }
+    state_.files[index] = moved;
+  }
+  records_.erase({file.use, file.name});
+  state_.is_checked = false;
+  return SaveLocked(error);
+}
+
+bool Session::Act(const Json& json, std::string* error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string action = TextOf(json, "action");
+  if (IsStep(action)) return StartJob(action, json, error);
+  if (action == "stop") {
+    stop_ = true;
+    Changed();
+    return true;
+  }
+  if (job_.running) {
+    *error = "a step is running; wait for its end or stop it";
+    return false;
+  }
+  if (action == "dismiss") {
+    job_ = Job();
+    Changed();
+    return true;
+  }
+  if (action == "remove" || action == "use") {
+    return ActOnFile(action, json, error);
+  }
+  if (action == "new") return OpenWork(NextWork(root_), error);
+  if (action == "open") {
+    const std::string name = TextOf(json, "work");
+    const std::vector<std::string> works = ListWorks(root_);
+    if (std::find(works.begin(), works.end(), name) != works.end()) {
+      return OpenWork(name, error);
+    }
+    *error = "there is no such work";
+    return false;
+  }
+  *error = "the page asked for an unknown action";
+  return false;
+}
+
+}  // namespace pinode

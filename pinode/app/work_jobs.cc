@@ -1,0 +1,296 @@
+#include "pinode/app/work_jobs.h"
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/free_memory.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/draft/case_draft_text.h"
+#include "pinode/case/results/baseline_folder.h"
+#include "pinode/case/results/case_check.h"
+#include "pinode/case/results/case_picture.h"
+#include "pinode/case/results/case_result.h"
+#include "pinode/case/results/check_files.h"
+#include "pinode/case/results/damage_files.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/case/results/updated_deck.h"
+#include "pinode/case/run/damage_case.h"
+#include "pinode/case/run/find_modes.h"
+#include "pinode/case/sections/case_file.h"
+#include "pinode/report/html_report.h"
+#include "pinode/report/modes_report.h"
+
+namespace pinode {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double SecondsFrom(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+HtmlReportOptions ReportOptions() {
+  HtmlReportOptions options;
+  options.num_threads = DefaultThreads();
+  return options;
+}
+
+// Returns the text of a case without its lines of comment.
+std::string WithoutComments(const std::string& text) {
+  std::istringstream lines(text);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] != '#') kept += line + "\n";
+  }
+  return kept;
+}
+
+// Writes a case. Sets *changed if it says something else than the file that was
+// there.
+bool WriteCase(const std::string& path, const std::string& text, bool* changed,
+               std::string* error) {
+  std::error_code status;
+  std::string before;
+  *changed = false;
+  if (fs::exists(path, status)) {
+    if (!ReadBinaryFile(path, &before, error)) return false;
+    if (!IsCaseDraft(before)) {
+      *error = path +
+               " is not one that this page wrote, and is not replaced. Begin a "
+               "new work for these records, or run the case with pinode_update";
+      return false;
+    }
+    *changed = WithoutComments(before) != WithoutComments(text);
+  }
+  return WriteFileAtomically(path, text, error);
+}
+
+// Writes the check of a case to the folder `path`.
+bool WriteCheck(const Case& c, const CaseCheck& check, const std::string& path,
+                std::string* error) {
+  ResultFolder folder;
+  return folder.Open(path, true, false, error) &&
+         WriteCheckFiles(c, check, folder.working_path(), error) &&
+         folder.Commit(error);
+}
+
+// True for cases with restoring forces, searches for terms, or responses of all
+// DOFs; as in pinode_update.
+bool LooksAtStates(const Case& c) {
+  return !c.problem.dynamics->IsLinear() || !c.candidates.empty() ||
+         c.finite_element != nullptr;
+}
+
+// Deck from which the case's matrices came; empty: none.
+std::string DeckOf(const WorkFolder& folder) {
+  std::error_code status;
+  for (const auto& entry : fs::directory_iterator(folder.At("deck"), status)) {
+    if (entry.path().extension() == ".inp") return entry.path().string();
+  }
+  return "";
+}
+
+// A fit and what becomes of it.
+struct FittedWork {
+  IdentificationSummary summary;
+  IdentifiedModel model;
+  // Changes since the baseline; nullptr: there was no comparison.
+  const DamageResult* damage = nullptr;
+  std::string command;
+  double seconds = 0.0;
+};
+
+// Writes results and report to `folder`, and puts it in place.
+bool WriteWork(const WorkFolder& work, const Case& c, FittedWork* fitted,
+               ResultFolder* folder, std::string* error) {
+  const std::string deck = DeckOf(work);
+  std::string remark;
+  if (!deck.empty() &&
+      !WriteUpdatedDeck(c, fitted->summary, fitted->model, deck,
+                        folder->working_path(), &remark, error)) {
+    remark = "No updated deck: " + *error;
+  }
+  if (!remark.empty()) fitted->summary.remarks.push_back(remark);
+  ReturnFreedMemory();
+  if (!WriteCaseResult(c, fitted->summary, fitted->model, *folder, error)) {
+    return false;
+  }
+  ReportInput report =
+      MakeReportInput(c.problem, fitted->summary, fitted->model,
+                      {c.path, fitted->command, fitted->seconds});
+  report.damage = fitted->damage;
+  const std::optional<StructurePicture> picture =
+      PictureOfCase(c, fitted->summary, fitted->model, fitted->damage);
+  if (picture.has_value()) report.structure = &*picture;
+  return WriteVtu(picture, folder->working_path(), error) &&
+         WriteHtmlReport(report, ReportOptions(),
+                         folder->working_path() + "/report.html", error) &&
+         folder->Commit(error);
+}
+
+// What damage.json says if the changes were not judged.
+DamageResult NotJudged(const JudgedChange& judgement,
+                       const std::vector<Baseline>& baselines,
+                       const ChangeOptions& options) {
+  DamageResult result;
+  for (const Baseline& baseline : baselines) {
+    result.baselines.push_back(baseline.name);
+  }
+  result.options = options;
+  result.judgement.verdict = DamageVerdict::kCannotTell;
+  result.judgement.sentence =
+      judgement.interrupted ? "Stopped before the changes were judged."
+      : judgement.why_not.empty()
+          ? "The fit is not usable, and nothing can be said about changes: see "
+            "the report."
+          : "Nothing can be said about changes: " + judgement.why_not + ".";
+  return result;
+}
+
+}  // namespace
+
+bool CheckWork(const WorkFolder& folder, WorkState* state,
+               DraftQuestion* question, std::string* error) {
+  *question = DraftQuestion();
+  const DraftRequest request = RequestOf(folder, *state);
+  if (request.logs.empty()) {
+    *error = "there is no baseline record yet; add a file of your logger";
+    return false;
+  }
+  std::vector<CaseDraft> drafts;
+  if (!DraftCases(request, &drafts, question, error)) return false;
+  std::vector<Case> cases(drafts.size());
+  std::vector<CaseCheck> checks;
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < drafts.size(); ++i) {
+    texts.push_back(CaseDraftText(drafts[i], CommandOf(folder, *state)));
+    if (!ReadCaseDraft(texts[i], drafts[i].path, &cases[i], error)) {
+      *error = "no case can be written for these records: " + *error;
+      return false;
+    }
+    checks.push_back(CheckCase(cases[i]));
+  }
+  state->assumptions.clear();
+  state->remarks.clear();
+  for (size_t i = 0; i < drafts.size(); ++i) {
+    bool changed = false;
+    const bool is_later = i > 0;
+    if (!WriteCase(drafts[i].path, texts[i], &changed, error) ||
+        !WriteCheck(cases[i], checks[i],
+                    folder.At(is_later ? kLaterCheckFolder : kCheckFolder),
+                    error)) {
+      return false;
+    }
+    if (changed && !is_later) state->is_result_old = true;
+    if (changed) state->is_damage_old = true;
+    for (const std::string& sentence : drafts[i].assumptions) {
+      state->assumptions.push_back(folder.ForReader(sentence));
+    }
+    for (const std::string& sentence : drafts[i].remarks) {
+      state->remarks.push_back(folder.ForReader(sentence));
+    }
+  }
+  state->is_checked = true;
+  return true;
+}
+
+bool FitWork(const WorkFolder& folder, bool resume, CaseWatch* watch,
+             std::string* error) {
+  const auto begin = Clock::now();
+  Case c;
+  if (!ReadCase(folder.case_path(), &c, error)) return false;
+  c.options.keep_states = LooksAtStates(c);
+  ResultFolder results;
+  FittedWork fitted;
+  fitted.command = "pinode_update --case=case.toml --output_dir=" +
+                   std::string(kResultFolder);
+  KeepFreedMemory();
+  if (!results.Open(folder.At(kResultFolder), true, resume, error) ||
+      !FitCase(results, nullptr, watch, &c, &fitted.summary, &fitted.model,
+               error)) {
+    return false;
+  }
+  if (c.profiles.has_value() && !watch->StopsProfiles()) {
+    ProfileCase(results, watch, &c, fitted.model, &fitted.summary);
+  }
+  fitted.seconds = SecondsFrom(begin);
+  return WriteWork(folder, c, &fitted, &results, error);
+}
+
+bool CompareWork(const WorkFolder& folder, bool resume, CaseWatch* watch,
+                 std::string* error) {
+  const auto begin = Clock::now();
+  Case c;
+  std::vector<Baseline> baselines(1);
+  IdentifiedModel begin_from;
+  if (!ReadCase(folder.later_case_path(), &c, error) ||
+      !ReadBaseline(folder.At(kResultFolder), c, &baselines[0], error) ||
+      !PrepareForBaselines(baselines, &c, &begin_from, error)) {
+    return false;
+  }
+  ResultFolder results;
+  FittedWork fitted;
+  fitted.command =
+      "pinode_damage --baseline=" + std::string(kResultFolder) +
+      " --case=case_later.toml --output_dir=" + std::string(kDamageFolder);
+  KeepFreedMemory();
+  if (!results.Open(folder.At(kDamageFolder), true, resume, error) ||
+      !FitCase(results, &begin_from, watch, &c, &fitted.summary, &fitted.model,
+               error)) {
+    return false;
+  }
+  const ChangeOptions options;
+  const JudgedChange judgement =
+      JudgeChange(fitted.summary, fitted.model, baselines, options, watch, &c);
+  const DamageResult not_judged = NotJudged(judgement, baselines, options);
+  const DamageResult& result = judgement.judged ? judgement.result : not_judged;
+  if (judgement.judged) {
+    fitted.summary = result.summary;
+    fitted.model = result.model;
+    fitted.damage = &result;
+  }
+  fitted.seconds = SecondsFrom(begin);
+  return WriteFileAtomically(results.working_path() + "/damage.json",
+                             DamageAsJson(result), error) &&
+         WriteWork(folder, c, &fitted, &results, error);
+}
+
+bool FindModesOfWork(const WorkFolder& folder, const WorkState& state,
+                     const WorkFile& file,
+                     const std::vector<std::string>& columns,
+                     std::string* error) {
+  const auto begin = Clock::now();
+  const LogOptions time = LogOptionsOf(state);
+  ModesDataFile data;
+  data.path = folder.PathOf(file);
+  data.columns = columns;
+  data.quantities = {"acceleration"};
+  data.time_column = time.time;
+  data.sampling_rate_hz = time.sampling_rate_hz;
+  ModesCase c;
+  FoundModes found;
+  if (!ReadModesDataFile(data, &c, error) || !FindModes(c, &found, error)) {
+    return false;
+  }
+  ModesReportInput report;
+  report.title = c.title;
+  report.origin = {c.path, "", SecondsFrom(begin)};
+  report.records = &c.records;
+  report.by_record = &found.by_record;
+  report.merged = &found.result.merged;
+  report.remarks = found.result.remarks;
+  ResultFolder results;
+  return results.Open(folder.At(kModesFolder), true, false, error) &&
+         WriteModesFiles(found.result, results.working_path(), error) &&
+         WriteModesReport(report, ReportOptions(),
+                          results.working_path() + "/report.html", error) &&
+         results.Commit(error);
+}
+
+}  // namespace pinode
