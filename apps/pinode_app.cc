@@ -26,7 +26,9 @@ DEFINE_int32(port, 0, "port of 127.0.0.1; 0: any that is free");
 DEFINE_bool(open_browser, true, "open the page in the browser");
 DEFINE_string(folder, "",
               "folder for uploaded files, cases and results, which is created "
-              "if it does not exist; empty: pinode_app in the home folder");
+              "if it does not exist; empty: pinode_app in the home folder. "
+              "Format of the cases: see case_files.md (in the source tree: "
+              "pinode/case/README.md)");
 DEFINE_int32(upload_mb, 500, "largest file that can be uploaded, in MB");
 
 extern char** environ;

@@ -57,9 +57,14 @@ Completes() {
     "_$name"
   )
 }
-[[ $(Completes --case) == "files " ]] || Fail "no files are offered for --case"
-[[ $(Completes --output_dir) == "files -d" ]] ||
-  Fail "no folders are offered for --output_dir"
+folder_flag=--output_dir
+if [[ $name == pinode_app ]]; then
+  folder_flag=--folder
+elif [[ $(Completes --case) != "files " ]]; then
+  Fail "no files are offered for --case"
+fi
+[[ $(Completes $folder_flag) == "files -d" ]] ||
+  Fail "no folders are offered for $folder_flag"
 if [[ $name == pinode_update && $(Completes --deck) != "files " ]]; then
   Fail "no files are offered for --deck"
 fi

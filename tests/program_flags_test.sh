@@ -3,10 +3,10 @@
 #
 #   tests/program_flags_test.sh PROGRAM
 #
-# --help exits 0 and shows --case; an unknown flag exits 2 with one line on
-# standard error that names it, and so does a call without a case. In neither
-# is anything else written. Standard output that cannot be written is status 1
-# and one line that says so.
+# --help exits 0 and shows --case, or --folder of pinode_app, which takes no
+# case. An unknown flag exits 2 with one line on standard error that names it,
+# and so does a call without a case. In neither is anything else written.
+# Standard output that cannot be written is status 1 and one line that says so.
 set -euo pipefail
 
 program=$1
@@ -26,9 +26,17 @@ Fail() {
   exit 1
 }
 
+# What the program works on, and a call that is refused for want of it.
+input=case
+refused=()
+if [[ ${program##*/} == pinode_app ]]; then
+  input=folder
+  refused=(--port=-1)
+fi
+
 Run --help
 [[ $status -eq 0 ]] || Fail "--help: expected status 0"
-grep -q -e '-case' "$scratch/out" || Fail "--help: expected --case"
+grep -q -e "-$input" "$scratch/out" || Fail "--help: expected --$input"
 
 # Programs that cannot be several ranks have no flag for it.
 if grep -q -e '-rank_timeout' "$scratch/out"; then
@@ -43,7 +51,7 @@ Run --no_such_flag=1
 [[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "unknown flag: expected one line"
 grep -q no_such_flag "$scratch/err" || Fail "unknown flag: expected its name"
 
-Run
+Run "${refused[@]}"
 [[ $status -eq 2 ]] || Fail "no case: expected status 2"
 [[ $(wc -l <"$scratch/err") -eq 1 ]] || Fail "no case: expected one line"
 

@@ -219,9 +219,40 @@ TEST_F(AppServerTest, AsksForWhatIsMissing) {
   EXPECT_EQ(State()["is_checked"], true) << State()["job"];
   EXPECT_EQ(State()["check"]["schema"], "pinode-check-1");
   EXPECT_EQ(StatusOf(base_ + "files/case.toml"), 200);
+  // A case that was edited by hand stays.
+  const std::string edited =
+      folder_.Read("app/work_1/case.toml") + "[solver]\n";
+  folder_.Write("app/work_1/case.toml", edited);
+  EXPECT_EQ(Post("act", "{\"action\": \"check\"}"), "");
+  server_->session()->WaitForJob();
+  EXPECT_NE(State()["job"]["problem"].get<std::string>().find("by hand"),
+            std::string::npos)
+      << State()["job"];
+  EXPECT_EQ(folder_.Read("app/work_1/case.toml"), edited);
   // An answer that changes makes the check an old one.
   EXPECT_EQ(Post("answers", "{\"places\": {\"acc_1\": \"-1\"}}"), "");
   EXPECT_EQ(State()["is_checked"], false);
+}
+
+TEST_F(AppServerTest, AsksForPlacesThatNoNameStates) {
+  ASSERT_EQ(Upload("a.csv", "baseline",
+                   "t [s],base [m/s^2],left [m/s^2]\n" +
+                       Log().substr(Log().find('\n') + 1)),
+            "");
+  EXPECT_EQ(Post("answers",
+                 "{\"answers\": {\"storeys\": \"1\", \"weights\": "
+                 "\"2000 kg\", \"first_mode_hz\": \"5\"}, "
+                 "\"places\": {\"base\": \"base\"}}"),
+            "");
+  EXPECT_EQ(Post("act", "{\"action\": \"check\"}"), "");
+  server_->session()->WaitForJob();
+  EXPECT_EQ(State()["job"]["question"]["flag"], "sensors") << State()["job"];
+  EXPECT_EQ(Post("answers", "{\"places\": {\"left\": \"-1\"}}"), "");
+  EXPECT_EQ(Post("act", "{\"action\": \"check\"}"), "");
+  server_->session()->WaitForJob();
+  EXPECT_EQ(State()["is_checked"], true) << State()["job"];
+  EXPECT_NE(folder_.Read("app/work_1/case.toml").find("sign      = -1"),
+            std::string::npos);
 }
 
 TEST_F(AppServerTest, KeepsItsWorks) {

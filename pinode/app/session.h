@@ -112,6 +112,10 @@ class Session {
   nlohmann::ordered_json JobJson() const;
   nlohmann::ordered_json ResultsJson() const;
   std::map<std::string, std::string> GuessPlaces() const;
+  // Completes the places before a check: columns of other quantities are not
+  // used, and where one place was given, the others are as guessed. Returns the
+  // columns that then have none.
+  std::vector<std::string> CompletePlaces();
 
   // Needs no mutex.
   void RunJob(const std::string& kind, bool resume, WorkState state,

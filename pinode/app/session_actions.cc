@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "pinode/app/session.h"
+#include "pinode/base/strings.h"
 
 namespace pinode {
 
@@ -89,6 +90,7 @@ void Session::RunJob(const std::string& kind, bool resume, WorkState state,
     error = std::string("the step failed: ") + exception.what();
   }
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (kind == "check") state_.written = state.written;
   if (good) {
     if (kind == "check") {
       state_.is_checked = true;
@@ -112,6 +114,39 @@ void Session::RunJob(const std::string& kind, bool resume, WorkState state,
   if (!SaveLocked(&unsaved)) job_.troubles.push_back(unsaved);
   job_.running = false;
   job_ended_.notify_all();
+}
+
+std::vector<std::string> Session::CompletePlaces() {
+  std::map<std::string, std::string> quantities;
+  for (const auto& [key, record] : records_) {
+    if (record.overview == nullptr) continue;
+    for (const Json& column : (*record.overview)["columns"]) {
+      quantities[TextOf(column, "name")] = TextOf(column, "quantity");
+    }
+  }
+  bool any = false;
+  for (const auto& [column, quantity] : quantities) {
+    const bool is_other =
+        !quantity.empty() && quantity != "acceleration" && quantity != "force";
+    if (is_other && state_.places.count(column) == 0) {
+      state_.places[column] = "none";
+    }
+    const auto place = state_.places.find(column);
+    any = any || (place != state_.places.end() && place->second != "none");
+  }
+  std::vector<std::string> without;
+  if (!any) return without;
+  const std::map<std::string, std::string> guessed = GuessPlaces();
+  for (const auto& [column, quantity] : quantities) {
+    if (state_.places.count(column) > 0) continue;
+    const auto guess = guessed.find(column);
+    if (guess == guessed.end()) {
+      without.push_back(column);
+    } else {
+      state_.places[column] = guess->second;
+    }
+  }
+  return without;
 }
 
 bool Session::StartJob(const std::string& action, const Json& json,
@@ -146,6 +181,16 @@ bool Session::StartJob(const std::string& action, const Json& json,
   if (worker_.joinable()) worker_.join();
   job_ = Job();
   job_.kind = action;
+  if (action == "check") {
+    const std::vector<std::string> without = CompletePlaces();
+    if (!without.empty()) {
+      job_.question = {"sensors",
+                       "These columns have no place: " + Join(without, ", "),
+                       "a floor, the base, or 'not used'"};
+      Changed();
+      return true;
+    }
+  }
   job_.running = true;
   stop_ = false;
   Changed();

@@ -72,8 +72,12 @@ std::map<std::string, std::string> Session::GuessPlaces() const {
   std::map<std::string, std::string> guessed;
   int storeys = 0;
   const auto answer = state_.answers.find("storeys");
-  const bool knows_storeys = answer != state_.answers.end() &&
-                             ParseInt(answer->second, &storeys) && storeys > 0;
+  bool knows_storeys = answer != state_.answers.end() &&
+                       ParseInt(answer->second, &storeys) && storeys > 0;
+  const bool has_deck = std::any_of(
+      state_.files.begin(), state_.files.end(),
+      [](const WorkFile& file) { return file.use == FileUse::kDeck; });
+  knows_storeys = knows_storeys && !has_deck;
   // Without it, the base alone is found.
   if (!knows_storeys) storeys = 1;
   for (const auto& [key, record] : records_) {

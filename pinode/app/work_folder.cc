@@ -223,6 +223,7 @@ bool WorkFolder::Load(WorkState* state, std::string* error) const {
     }
   }
   state->places = TextsOf(json, "places");
+  state->written = TextsOf(json, "written");
   state->is_checked =
       IsTrue(json, "is_checked") && fs::exists(case_path(), status);
   state->is_result_old = IsTrue(json, "is_result_old");
@@ -242,6 +243,7 @@ bool WorkFolder::Save(const WorkState& state, std::string* error) const {
                      {"answers", state.answers},
                      {"places", state.places},
                      {"is_checked", state.is_checked},
+                     {"written", state.written},
                      {"is_result_old", state.is_result_old},
                      {"is_damage_old", state.is_damage_old},
                      {"assumptions", state.assumptions},

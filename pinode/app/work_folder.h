@@ -47,6 +47,9 @@ struct WorkState {
   // True if the cases have changed since the result was made.
   bool is_result_old = false;
   bool is_damage_old = false;
+  // Hashes of the cases as they were written, by file name: a case that was
+  // edited by hand since then is not replaced.
+  std::map<std::string, std::string> written;
   // Sentences of the drafts.
   std::vector<std::string> assumptions;
   std::vector<std::string> remarks;

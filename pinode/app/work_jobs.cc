@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pinode/base/file.h"
+#include "pinode/base/fnv.h"
 #include "pinode/base/free_memory.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/draft/case_draft_text.h"
@@ -51,24 +52,31 @@ std::string WithoutComments(const std::string& text) {
   return kept;
 }
 
+std::string HashOf(const std::string& text) {
+  return std::to_string(Fnv1a(text.data(), text.size()));
+}
+
 // Writes a case. Sets *changed if it says something else than the file that was
 // there.
-bool WriteCase(const std::string& path, const std::string& text, bool* changed,
-               std::string* error) {
+bool WriteCase(const std::string& path, const std::string& text,
+               WorkState* state, bool* changed, std::string* error) {
   std::error_code status;
   std::string before;
+  std::string& written = state->written[fs::path(path).filename().string()];
   *changed = false;
   if (fs::exists(path, status)) {
     if (!ReadBinaryFile(path, &before, error)) return false;
-    if (!IsCaseDraft(before)) {
+    *changed = WithoutComments(before) != WithoutComments(text);
+    if (*changed && written != HashOf(before)) {
       *error = path +
-               " is not one that this page wrote, and is not replaced. Begin a "
-               "new work for these records, or run the case with pinode_update";
+               " was edited by hand and is not replaced. Fit it with "
+               "pinode_update, delete it, or begin a new work";
       return false;
     }
-    *changed = WithoutComments(before) != WithoutComments(text);
   }
-  return WriteFileAtomically(path, text, error);
+  if (!WriteFileAtomically(path, text, error)) return false;
+  written = HashOf(text);
+  return true;
 }
 
 // Writes the check of a case to the folder `path`.
@@ -181,7 +189,7 @@ bool CheckWork(const WorkFolder& folder, WorkState* state,
   for (size_t i = 0; i < drafts.size(); ++i) {
     bool changed = false;
     const bool is_later = i > 0;
-    if (!WriteCase(drafts[i].path, texts[i], &changed, error) ||
+    if (!WriteCase(drafts[i].path, texts[i], state, &changed, error) ||
         !WriteCheck(cases[i], checks[i],
                     folder.At(is_later ? kLaterCheckFolder : kCheckFolder),
                     error)) {

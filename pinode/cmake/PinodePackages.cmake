@@ -115,6 +115,8 @@ endif()
 # The libraries whose headers ours include, or whose names our targets carry.
 file(STRINGS ${PROJECT_SOURCE_DIR}/apps/packages.txt development
   REGEX "^[a-z].*-dev$")
+# The page of pinode_app is a program's alone.
+list(REMOVE_ITEM development libcpp-httplib-dev)
 if(PINODE_MPI)
   list(APPEND development libopenmpi-dev)
 endif()

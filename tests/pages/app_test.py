@@ -29,6 +29,8 @@ import chromium
 import two_logs
 
 PATIENCE_SECONDS = 300  # on a machine with much other work
+# Length of a record whose fit takes long enough to be stopped.
+LONG_SECONDS = 300
 TRUE_CHANGE_PERCENT = -100 * two_logs.LOST
 
 
@@ -256,6 +258,31 @@ def killed_in_a_fit(program, logs):
     print("killed in a fit: it goes on")
 
 
+def stopped(program, scratch):
+    """Stops a fit by the button, and goes on with it."""
+    folder = tempfile.mkdtemp()
+    log = os.path.join(scratch, "long.csv")
+    two_logs.write(log, 3, LONG_SECONDS, two_logs.STIFFNESSES_KN_M)
+    app = App(program, folder)
+    page = Page(app.address, 390)
+    page.pick("#pick-baseline", log)
+    answer_and_check(page)
+    page.click("#do-fit")
+    page.click("#fit-job .stop")
+    page.wait("state.result !== null && !state.job.running")
+    check(page.evaluate("state.result.termination") == "interrupted",
+          "the fit was not stopped")
+    check(os.path.exists(os.path.join(folder, "work_1", "result",
+                                      "report.html")), "no report")
+    page.click("#unfinished button")
+    page.wait("state.result.termination === 'converged' && "
+              "!state.job.running")
+    page.close()
+    check(app.end() == 0, "pinode_app did not end well")
+    shutil.rmtree(folder)
+    print("stopped by the button: it goes on")
+
+
 def modes_in_three_clicks(program, logs, shots):
     folder = tempfile.mkdtemp()
     app = App(program, folder)
@@ -291,6 +318,7 @@ def main():
         two_logs.write_both(*logs)
         for width in (1280, 390):
             shutil.rmtree(to_the_verdict(program, logs, width, shots))
+        stopped(program, scratch)
         killed_in_a_fit(program, logs)
         modes_in_three_clicks(program, logs, shots)
     finally:
