@@ -239,6 +239,16 @@ void AppServer::Parts::ServeSession() {
       SetError(404, error, &response);
     }
   });
+  server.Get(Address("deck"),
+             [this](const httplib::Request&, httplib::Response& response) {
+               std::string json;
+               std::string error;
+               if (session.Deck(&json, &error)) {
+                 SetBody(std::move(json), "application/json", &response);
+               } else {
+                 SetError(404, error, &response);
+               }
+             });
   server.Post(
       Address(kUploadPath),
       [this](const httplib::Request& request, httplib::Response& response,

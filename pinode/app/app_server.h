@@ -30,6 +30,7 @@ struct AppServerOptions {
 //   GET  /TOKEN/            the page; app.js, app.css
 //   GET  /TOKEN/state       Session::State; ?version=N
 //   GET  /TOKEN/view        Session::View; ?file=&use=&column=&width=
+//   GET  /TOKEN/deck        Session::Deck
 //   GET  /TOKEN/files/...   Session::FindFile
 //   POST /TOKEN/upload      a file as it is; ?name=&use=
 //   POST /TOKEN/answers     Session::SetAnswers

@@ -3,6 +3,7 @@
 namespace pinode {
 namespace {
 
+#include "pinode/app/page_deck.inc"
 #include "pinode/app/page_html.inc"
 #include "pinode/app/page_pictures.inc"
 #include "pinode/app/page_results.inc"
@@ -15,7 +16,7 @@ std::string PageHtml() { return kPageHtml; }
 
 std::string PageScript() {
   return std::string("\"use strict\";\n") + kPagePictures + kPageResults +
-         kPageScript;
+         kPageDeck + kPageScript;
 }
 
 std::string PageStyle() { return kPageStyle; }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "pinode/app/deck_view.h"
 #include "pinode/app/record_view.h"
 #include "pinode/app/request_guard.h"
 #include "pinode/base/strings.h"
@@ -213,6 +214,27 @@ bool Session::View(const std::string& file, const std::string& use,
   }
   *json = ColumnView(*log, *wanted, width)
               .dump(-1, ' ', false, Json::error_handler_t::replace);
+  return true;
+}
+
+bool Session::Deck(std::string* json, std::string* error) {
+  WorkFolder folder;
+  std::string path;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    folder = folder_;
+    path = RequestOf(folder_, state_).deck;
+  }
+  Json view;
+  if (path.empty()) {
+    *error = "there is no deck";
+    return false;
+  }
+  if (!ReadDeckView(path, &view, error)) {
+    *error = folder.ForReader(*error);
+    return false;
+  }
+  *json = view.dump(-1, ' ', false, Json::error_handler_t::replace);
   return true;
 }
 

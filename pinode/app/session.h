@@ -66,6 +66,9 @@ class Session {
                           const std::string& column, int width,
                           std::string* json, std::string* error);
 
+  // Returns the structure of the deck as JSON; see DeckView.
+  [[nodiscard]] bool Deck(std::string* json, std::string* error);
+
   // Finds a file of the present work that the page may show, such as
   // "result/report.html".
   [[nodiscard]] bool FindFile(const std::string& relative, std::string* path);

@@ -8,7 +8,7 @@ given; the case is checked and fitted; the later state is compared; and the
 verdict names the storey that has lost stiffness. At 1280 and at 390 pixels of
 width, where nothing is wider than the screen. Then: two tabs see one state, a
 program that was killed in the middle of a fit goes on from its checkpoint, and
-modes take three clicks. Screenshots go to FOLDER. Status 77: there is no
+modes take three clicks. Sensors are put on the nodes of a deck. Screenshots go to FOLDER. Status 77: there is no
 Chromium.
 """
 
@@ -31,6 +31,10 @@ import two_logs
 PATIENCE_SECONDS = 300  # on a machine with much other work
 # Length of a record whose fit takes long enough to be stopped.
 LONG_SECONDS = 300
+# Sensors and forces of data/frame.
+FRAME_PLACES = {"fx": "force:3153.1", "fy": "force:2151.2",
+                "a1x": "1051.1", "a1y": "1051.2", "a2x": "1101.1",
+                "a2y": "1101.2", "a3x": "1151.1", "a3y": "1151.2"}
 TRUE_CHANGE_PERCENT = -100 * two_logs.LOST
 
 
@@ -301,6 +305,56 @@ def modes_in_three_clicks(program, logs, shots):
     print(f"modes of records alone: {len(modes)}")
 
 
+def sensors_on_a_deck(program, width, shots):
+    """Selects nodes on the structure of data/frame and puts sensors there."""
+    # Chromium reads no file whose path has "..".
+    data = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(
+        os.path.abspath(__file__)))), "data", "frame")
+    deck = [os.path.join(data, name) for name in sorted(os.listdir(data))
+            if re.fullmatch(r"frame\.(inp|dof)|.*\.(sti|mas)\.gz", name)]
+    folder = tempfile.mkdtemp()
+    app = App(program, folder)
+    page = Page(app.address, width, shots)
+    page.click("input[name=kind][value=deck]")
+    page.pick("#pick-deck", *deck)
+    page.pick("#pick-baseline", os.path.join(data, "healthy_1.csv"))
+    page.wait("state.files.length === %d && state.files.every("
+              "(file) => file.state !== 'reading')" % (len(deck) + 1))
+    page.wait("deck.view !== null && allColumns().length === 8")
+    for column, place in FRAME_PLACES.items():
+        node, direction = place.replace("force:", "").split(".")
+        page.place("#deck-canvas")
+        x, y = page.evaluate(f"""(() => {{
+            const canvas = $("#deck-canvas"), box = canvas.getBoundingClientRect();
+            const [x, y] = deckPoint(canvas, deck.index.get("{node}"));
+            return [box.x + x, box.y + y];
+        }})()""")
+        for kind in ("mousePressed", "mouseReleased"):
+            page.browser.send("Input.dispatchMouseEvent", type=kind, x=x, y=y,
+                              button="left", clickCount=1)
+        page.wait(f"$('#deck-node').textContent === 'Node {node}'")
+        value = ("force:" if "force" in place else "") + direction
+        page.evaluate(f"$('#deck-column').value = '{column}'; "
+                      f"$('#deck-direction').value = '{value}'")
+        page.click("#deck-put")
+        page.wait(f"state.places['{column}'] === '{place}'")
+    page.check_width()
+    page.screenshot("deck")
+    for name, text in (("deck_units", "N,m"), ("factor", "2"),
+                       ("unit", "m/s^2"), ("force_unit", "N")):
+        if name == "unit":
+            page.click("#time-answers summary")
+        page.fill(f"[data-answer={name}]", text)
+        page.wait(f"state.answers['{name}'] === '{text}'")
+    page.click("#do-check")
+    page.wait("state.is_checked")
+    check(page.evaluate("state.check.assessed"), "the deck cannot be fitted")
+    page.close()
+    check(app.end() == 0, "pinode_app did not end well")
+    shutil.rmtree(folder)
+    print(f"{width} px: sensors on a deck")
+
+
 def main():
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
@@ -318,6 +372,8 @@ def main():
         two_logs.write_both(*logs)
         for width in (1280, 390):
             shutil.rmtree(to_the_verdict(program, logs, width, shots))
+        for width in (1280, 390):
+            sensors_on_a_deck(program, width, shots)
         stopped(program, scratch)
         killed_in_a_fit(program, logs)
         modes_in_three_clicks(program, logs, shots)
