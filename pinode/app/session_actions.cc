@@ -1,4 +1,4 @@
-// What the page can do: steps that run in their own thread, and changes of the
+// Actions of the page: steps that run in their own thread, and changes of the
 // list of files and works.
 
 #include <algorithm>

@@ -142,7 +142,7 @@ bool WriteWork(const WorkFolder& work, const Case& c, FittedWork* fitted,
          folder->Commit(error);
 }
 
-// What damage.json says if the changes were not judged.
+// Returns the contents of damage.json if the changes were not judged.
 DamageResult NotJudged(const JudgedChange& judgement,
                        const std::vector<Baseline>& baselines,
                        const ChangeOptions& options) {

@@ -294,7 +294,7 @@ bool AddBase(const LogFile& log, const DraftRequest& request,
                  log.path +
                      ": the direction in the deck is not known for the sensor "
                      "of the base, " +
-                     Quote(base.column) + " is is not known",
+                     Quote(base.column),
                  "x (or y, z)"};
     return false;
   }
