@@ -46,8 +46,9 @@ class Report {
  private:
   // Damping that is fixed, while what is free can do the same.
   void AddConfusion(std::vector<Finding>* findings) const {
-    // Damping that is free itself takes over what the factor does.
-    if (HasFreeDamping()) return;
+    // Damping that is free itself takes over what the factor does, and so does
+    // a network.
+    if (HasFreeDamping() || !problem_.dynamics->networks().empty()) return;
     for (const Confusion& confusion : FindConfusions(suspects_, scores_)) {
       if (suspects_[confusion.suspect].kind != Suspect::Kind::kDamping ||
           confusion.names.size() < 2) {
@@ -325,8 +326,7 @@ class Report {
 
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options) {
-  return problem.num_train_records() > 0 &&
-         problem.dynamics->networks().empty() && problem.modal.modes.empty() &&
+  return problem.num_train_records() > 0 && problem.modal.modes.empty() &&
          problem.ambient.empty() &&
          CommunicatorOrSingle(options.communicator).size() == 1;
 }

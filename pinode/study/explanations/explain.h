@@ -28,8 +28,8 @@ struct Explained {
   std::vector<ForceEstimate> forces;
 };
 
-// True for problems of records, whose suspects have scores: without networks,
-// measured modes or ambient records, and not on several ranks.
+// True for problems of records, whose suspects have scores: without
+// measured modes and ambient records, and not on several ranks.
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pinode/dynamics/feature.h"
+#include "pinode/dynamics/network_term.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/explanations/catalogue.h"
 #include "pinode/study/explanations/confusions.h"
@@ -80,6 +81,49 @@ TEST(Explain, NamesTheMass) {
   EXPECT_EQ(first.kind, "mass") << first.what;
   EXPECT_EQ(first.place, chain->model().dof_names[1]);
   EXPECT_NEAR(first.value, 0.3, 0.01);
+}
+
+// A network can be the force that a wrong mass lacks, and stiffness follows it.
+TEST(Explain, NamesTheMassBesideANetwork) {
+  const auto chain = testing::MakeGroupedChain(2, 100.0, 0.5);
+  StructuralModel model = chain->model();
+  model.mass(1, 1) *= 1.1;
+  std::string error;
+  const auto truth =
+      StructuralDynamics::Create(std::move(model), chain->inputs(), &error);
+  ASSERT_NE(truth, nullptr) << error;
+  IdentificationProblem problem = MeasuredChain(2, *truth, 7);
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  NetworkArchitecture architecture;
+  architecture.num_inputs = 2;
+  architecture.num_outputs = 1;
+  architecture.hidden_widths = {4};
+  architecture.input_scale = Vector::Constant(2, 0.1);
+  NetworkTerm network;
+  network.name = "net";
+  network.network = std::make_shared<Network>(architecture);
+  network.features = {Feature::Displacement(0), Feature::Velocity(0)};
+  network.outputs = Matrix::Identity(2, 1);
+  network.weights.name = "net";
+  network.weights.named = false;
+  network.weights.decays = architecture.NonlinearWeights();
+  for (int i = 0; i < architecture.NumWeights(); ++i) {
+    Parameter weight;
+    weight.name = "net[" + std::to_string(i) + "]";
+    weight.value = 0.3 * std::sin(1.7 * i + 0.3);
+    network.weights.parameters.push_back(weight);
+  }
+  ASSERT_TRUE(dynamics->AddNetwork(std::move(network), &error)) << error;
+  problem.dynamics = dynamics;
+  problem.records[0].substeps = 4;
+  const Identification found =
+      Identify(problem, IdentificationOptions(), {}, nullptr);
+  EXPECT_NE(found.summary.verdict.grade(), Grade::kGood);
+  ASSERT_FALSE(found.summary.explanations.empty());
+  // Less at the first floor is the same to this network.
+  const Explanation& first = found.summary.explanations[0];
+  EXPECT_EQ(first.kind, "mass") << first.what;
+  EXPECT_NEAR(std::abs(first.value), 0.1, 0.02) << first.what;
 }
 
 TEST(Explain, NamesTheSensor) {
