@@ -26,7 +26,7 @@ Fail() {
   exit 1
 }
 
-# What the program works on, and a call that is refused for want of it.
+# The flag that names its input, and a call that is refused without a right one.
 input=case
 refused=()
 if [[ ${program##*/} == pinode_app ]]; then

@@ -183,7 +183,7 @@ def to_the_verdict(program, logs, width, shots):
     page.check_width()
     page.screenshot("columns")
 
-    # What is missing is asked for, beside its field.
+    # A missing answer is asked for, beside its field.
     page.click("#do-check")
     page.wait("!!document.querySelector('.asked [data-answer=storeys]')")
     answer_and_check(page)

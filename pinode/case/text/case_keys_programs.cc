@@ -26,7 +26,8 @@ CaseTable DamageKeys() {
                "Kinds of change that are looked for beside the groups; `[]`: "
                "none. See \"Kinds of change\"."},
               {"masses", "texts", "DOFs, or nodes of DOFs `node.direction`",
-               "those with a mass; above 40 DOFs those that a fitted channel measures",
+               "those with a mass; above 40 DOFs those that a fitted channel "
+               "measures",
                "Places to which mass may have been added."},
               {"place", "tables", "",
                "free stiffness groups that are one spring between two DOFs or "

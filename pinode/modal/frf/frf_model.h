@@ -26,8 +26,8 @@ struct FrfFit {
   ComplexMatrix residuals;  // lines x pairs, not weighted
   Matrix leverages;         // lines x pairs: part of the noise that is fitted
   double cost = 0.0;        // sum of weighted squares of real numbers
-  // Of the nonlinear unknowns, in the order of FrfModel::num_unknowns(): half
-  // the Hessian of the cost by Gauss and Newton, and half its gradient.
+  // Half the Hessian of the cost by Gauss and Newton and half its gradient, for
+  // the nonlinear unknowns in the order of FrfModel::num_unknowns().
   Matrix normal;
   Vector gradient;
   // For each output: slopes of the shapes' real numbers by the nonlinear

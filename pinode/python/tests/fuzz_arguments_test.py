@@ -393,5 +393,5 @@ def test_all_arguments_are_tried(name, tmp_path, monkeypatch):
     function, _, kinds = {**parts, **FUNCTIONS}[name]
     there = {p.name for p in inspect.signature(function()).parameters.values()
              if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
-    # What is not a result is refused in wrong_types_test.py.
+    # Other arguments than results are refused in wrong_types_test.py.
     assert there - set(kinds) <= {"outcome"}

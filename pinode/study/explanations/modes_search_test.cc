@@ -98,7 +98,7 @@ TEST(ModesSearch, NamesAMisreadMode) {
   EXPECT_THAT(first.what, HasSubstr("misread"));
 }
 
-// What a mass in place of changed groups explains, after healthy modes that
+// The mass in place of changed groups that explains the modes. Healthy modes
 // know the stiffness to 1 %.
 std::string MassInsteadOf(const IdentificationProblem& problem,
                           const std::vector<std::string>& changed) {
