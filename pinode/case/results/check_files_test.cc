@@ -15,7 +15,7 @@
 namespace pinode {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -51,7 +51,7 @@ class CheckFilesTest : public ::testing::Test {
     check_ = CheckCase(c_);
     ASSERT_TRUE(WriteCheckFiles(c_, check_, folder_.Path("."), &error))
         << error;
-    json_ = Json::parse(Content("check.json"));
+    json_ = OrderedJson::parse(Content("check.json"));
   }
 
   std::string Content(const std::string& name) {
@@ -75,7 +75,7 @@ class CheckFilesTest : public ::testing::Test {
   TemporaryFolder folder_;
   Case c_;
   CaseCheck check_;
-  Json json_;
+  OrderedJson json_;
 };
 
 TEST_F(CheckFilesTest, AModelAlone) {
@@ -84,7 +84,7 @@ TEST_F(CheckFilesTest, AModelAlone) {
   EXPECT_EQ(json_["schema"], "pinode-check-1");
   EXPECT_EQ(json_["assessed"], false);
   EXPECT_EQ(json_["message"], "nothing was measured");
-  EXPECT_EQ(json_["dofs"], Json({"u1", "u2"}));
+  EXPECT_EQ(json_["dofs"], OrderedJson({"u1", "u2"}));
   EXPECT_TRUE(json_["no_modes"].is_null());
   EXPECT_TRUE(json_["free_parameters"].is_null());
   EXPECT_TRUE(json_["finite_element"].is_null());
@@ -103,7 +103,7 @@ TEST_F(CheckFilesTest, AModelAlone) {
     EXPECT_LT(
         (stiffness * shapes.col(i) - rates[i] * mass * shapes.col(i)).norm(),
         1e-9);
-    const Json& mode = json_["modes"][static_cast<size_t>(i)];
+    const OrderedJson& mode = json_["modes"][static_cast<size_t>(i)];
     EXPECT_NEAR(mode["frequency_hz"].get<double>(), frequency, 1e-12);
     EXPECT_NEAR(mode["damping_ratio"].get<double>(), 0.02, 1e-12);
     EXPECT_NEAR(shapes.col(i).dot(MatrixOf("C.mtx") * shapes.col(i)),
@@ -153,7 +153,7 @@ TEST(MayGiveWayToCheck, AnEarlierCheckAndNoFit) {
 
 // Unknown values are null in JSON and an empty cell in a table.
 TEST(TableOfEntries, QuotesTextsAndLeavesOutWhatIsNotKnown) {
-  const Json entries = {
+  const OrderedJson entries = {
       {{"name", "a,b"}, {"value", 0.5}, {"used", true}, {"of", {"x", "y"}}},
       {{"name", "c"}, {"value", nullptr}, {"used", false}, {"of", {"z"}}}};
   EXPECT_EQ(TableOfEntries(entries),
