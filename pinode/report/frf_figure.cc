@@ -14,6 +14,14 @@ namespace {
 constexpr int kMostFrfPanels = 6;
 constexpr Eigen::Index kMostFrfLines = 900;
 
+// Phase in degrees, from -90 to 270. Responses of lightly damped structures are
+// near 0 and 180 degrees between their modes, and noise must not turn 180 into
+// -180 from line to line.
+double PhaseDegrees(const std::complex<double>& value) {
+  const double degrees = std::arg(value) * 180.0 / kPi;
+  return degrees < -90.0 ? degrees + 360.0 : degrees;
+}
+
 // Returns frequency, magnitude in dB and phase in degrees. Neighbouring lines
 // are drawn as the largest of them.
 std::vector<std::vector<double>> FrfCurve(const Vector& frequencies,
@@ -26,7 +34,7 @@ std::vector<std::vector<double>> FrfCurve(const Vector& frequencies,
     const double largest = values.segment(k, count).cwiseAbs().maxCoeff(&at);
     columns[0].push_back(frequencies[k + at]);
     columns[1].push_back(20.0 * std::log10(std::max(largest, 1e-30)));
-    columns[2].push_back(std::arg(values[k + at]) * 180.0 / kPi);
+    columns[2].push_back(PhaseDegrees(values[k + at]));
   }
   return columns;
 }
@@ -59,7 +67,7 @@ Figure MakeFrfFigure(const ModesOfFrfs& frfs, int number) {
                                   "set ylabel 'phase, degrees'"};
     for (int side = 0; side < 2; ++side) {
       script.Line(labels[side]);
-      script.Line(side == 0 ? "set yrange [*:*]" : "set yrange [-190:190]");
+      script.Line(side == 0 ? "set yrange [*:*]" : "set yrange [-100:280]");
       script.Line(
           "plot " + measured + columns[side] + " with lines " + kMeasuredLine +
           (p == 0 && side == 0 ? " title 'measured'" : " notitle") + ", " +

@@ -86,9 +86,12 @@ Figure MakeStabilisationFigure(const ResponseRecord& record,
                               : Spectra();
   script.Line("set xlabel 'frequency, Hz'");
   script.Line("set ylabel 'model order'");
-  script.Line("set y2label 'singular values of the spectra, dB'");
-  script.Line("set y2tics nomirror");
-  script.Line("set border 11");
+  const bool has_spectra = spectra.singular_values.rows() > 0;
+  if (has_spectra) {
+    script.Line("set y2label 'singular values of the spectra, dB'");
+    script.Line("set y2tics nomirror");
+    script.Line("set border 11");
+  }
   script.Line("set key outside bottom center horizontal");
   script.Line(Range("x", range.low, range.high));
   script.Line("set yrange [0:*]");
@@ -116,8 +119,11 @@ Figure MakeStabilisationFigure(const ResponseRecord& record,
   figure.script = script.text();
   figure.caption =
       "Stabilisation diagram: each point is a pole of the model of that order, "
-      "those in blue are the modes of the table. Behind it the singular values "
-      "of the spectra of all channels.";
+      "those in blue are the modes of the table.";
+  if (has_spectra) {
+    figure.caption +=
+        " Behind it the singular values of the spectra of all channels.";
+  }
   return figure;
 }
 
