@@ -70,6 +70,24 @@ bool Read(const FrfSetup& setup, FrequencyResponses* all, std::string* error) {
   return true;
 }
 
+// Remark on FRFs that the modes do not describe; empty if they do.
+std::string LeftByModes(const ModesOfFrfs& frfs, const FrfSetup& setup) {
+  // A tenth is left by a drift of two files of a free beam, whose intervals
+  // then excluded the frequencies of the others.
+  constexpr double kMuch = 0.1;
+  if (frfs.errors.size() == 0 || !(frfs.errors.maxCoeff() > kMuch)) {
+    return "";
+  }
+  return "The modes leave up to " +
+         FormatNumber(100.0 * frfs.errors.maxCoeff(), 3) +
+         " % of a frequency response function, and the intervals may be too "
+         "narrow. A mode may be missing, or the structure has changed between "
+         "the files" +
+         (setup.files.size() > 1
+              ? ": try --frf_poles=per_file or another --frf_band."
+              : ": try another --frf_band.");
+}
+
 }  // namespace
 
 bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
@@ -85,6 +103,8 @@ bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
   result.setups = {all.name};
   result.remarks.insert(result.remarks.end(), frfs->record.remarks.begin(),
                         frfs->record.remarks.end());
+  const std::string left = LeftByModes(*frfs, setup);
+  if (!left.empty()) result.remarks.push_back(left);
   SetupModes modes;
   modes.name = all.name;
   modes.places = frfs->places;

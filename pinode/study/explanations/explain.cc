@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/block_estimates.h"
@@ -341,6 +342,8 @@ Explained ExplainModes(const IdentificationProblem& problem,
   if (!search.Run()) return {};
   Explained result =
       Report(problem, fit, search.suspects(), {}, search.refits()).Make();
+  // Frequencies that are far off say it already.
+  if (!CheckMeasuredFrequencies(problem, fit).empty()) return result;
   const double ratio = std::sqrt(search.SquaredErrorLeft());
   result.findings.push_back(
       {"modes_beyond_deviations",
