@@ -17,9 +17,11 @@ TEST(DamageSearch, LooksWhereSensorsAndSpringsAre) {
       MeasuredChain(2, *ChainAt(Vector{{0.0, 0.0}}), 1);
   problem.records[0].channels.pop_back();
   const DamageSearch search = LookEverywhere(problem);
-  ASSERT_EQ(search.masses.size(), 1u);
+  // The mass that no sensor is at comes after those that are measured.
+  ASSERT_EQ(search.masses.size(), 2u);
   EXPECT_EQ(search.masses[0].name, "u1");
   EXPECT_THAT(search.masses[0].dofs, ElementsAre(0));
+  EXPECT_EQ(search.masses[1].name, "u2");
   ASSERT_EQ(search.springs.size(), 2u);
   EXPECT_EQ(search.springs[0].name, "k1");
   EXPECT_EQ(search.springs[0].from, Feature::kGround);
