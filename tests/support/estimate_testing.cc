@@ -82,15 +82,25 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear() {
   hysteresis.parameters.parameters[4].free = false;
   CHECK(dynamics->AddLaw(std::move(hysteresis), &error)) << error;
 
+  CHECK(dynamics->AddNetwork(
+      MakeNetwork({Feature::Displacement(0), Feature::Velocity(1)}, 3, 0.5),
+      &error))
+      << error;
+  return dynamics;
+}
+
+NetworkTerm MakeNetwork(std::vector<Feature> features, int hidden,
+                        double input_scale) {
   NetworkArchitecture architecture;
-  architecture.num_inputs = 2;
+  architecture.num_inputs = static_cast<int>(features.size());
   architecture.num_outputs = 1;
-  architecture.hidden_widths = {3};
-  architecture.input_scale = Vector::Constant(2, 0.5);
+  architecture.hidden_widths = {hidden};
+  architecture.input_scale =
+      Vector::Constant(architecture.num_inputs, input_scale);
   NetworkTerm network;
   network.name = "net";
   network.network = std::make_shared<Network>(architecture);
-  network.features = {Feature::Displacement(0), Feature::Velocity(1)};
+  network.features = std::move(features);
   network.outputs = Matrix::Identity(2, 1);
   network.weights.name = "net";
   network.weights.named = false;
@@ -101,8 +111,7 @@ std::shared_ptr<StructuralDynamics> MakeSmallNonlinear() {
     weight.value = 0.5 * std::sin(1.7 * i + 0.3);
     network.weights.parameters.push_back(weight);
   }
-  CHECK(dynamics->AddNetwork(std::move(network), &error)) << error;
-  return dynamics;
+  return network;
 }
 
 IdentificationRecord MakeExcitedRecord(const StructuralDynamics& dynamics,

@@ -29,6 +29,11 @@ LawTerm MakeElement(const std::string& name, const std::string& type,
                     int num_dofs, int from, int to,
                     const std::vector<double>& values);
 
+// Returns a network of `features` with one hidden layer and small weights. Its
+// output is a force on the first of two masses.
+NetworkTerm MakeNetwork(std::vector<Feature> features, int hidden,
+                        double input_scale);
+
 // Returns two masses under ground motion with groups for stiffness, damping and
 // mass (`m2`, fixed), a cubic spring, a Bouc-Wen element with its exponent
 // fixed, and a small network with skip path. It has one term of every kind and

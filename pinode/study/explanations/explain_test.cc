@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pinode/dynamics/feature.h"
-#include "pinode/dynamics/network_term.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/explanations/catalogue.h"
 #include "pinode/study/explanations/confusions.h"
@@ -20,6 +19,7 @@
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/library_term.h"
 #include "tests/support/dynamics_testing.h"
+#include "tests/support/estimate_testing.h"
 #include "tests/support/study_testing.h"
 
 namespace pinode {
@@ -94,26 +94,11 @@ TEST(Explain, NamesTheMassBesideANetwork) {
   ASSERT_NE(truth, nullptr) << error;
   IdentificationProblem problem = MeasuredChain(2, *truth, 7);
   auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
-  NetworkArchitecture architecture;
-  architecture.num_inputs = 2;
-  architecture.num_outputs = 1;
-  architecture.hidden_widths = {4};
-  architecture.input_scale = Vector::Constant(2, 0.1);
-  NetworkTerm network;
-  network.name = "net";
-  network.network = std::make_shared<Network>(architecture);
-  network.features = {Feature::Displacement(0), Feature::Velocity(0)};
-  network.outputs = Matrix::Identity(2, 1);
-  network.weights.name = "net";
-  network.weights.named = false;
-  network.weights.decays = architecture.NonlinearWeights();
-  for (int i = 0; i < architecture.NumWeights(); ++i) {
-    Parameter weight;
-    weight.name = "net[" + std::to_string(i) + "]";
-    weight.value = 0.3 * std::sin(1.7 * i + 0.3);
-    network.weights.parameters.push_back(weight);
-  }
-  ASSERT_TRUE(dynamics->AddNetwork(std::move(network), &error)) << error;
+  ASSERT_TRUE(dynamics->AddNetwork(
+      testing::MakeNetwork({Feature::Displacement(0), Feature::Velocity(0)}, 4,
+                           0.1),
+      &error))
+      << error;
   problem.dynamics = dynamics;
   problem.records[0].substeps = 4;
   const Identification found =
