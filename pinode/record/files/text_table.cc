@@ -220,6 +220,7 @@ class TextTableReader {
       if (!ReadPlainRow(plain, line, row) && !ReadRow(line, line_number, row)) {
         if (!reread_) return false;
         reread_ = false;
+        error_->clear();
         layout_.is_decimal_open = false;
         layout_.decimal = ',';
         return ReadRows();

@@ -239,6 +239,15 @@ TEST(TextTableTest, CountersGoOn) {
   EXPECT_EQ(parts.values(3, 0), 3.0);
 }
 
+TEST(TextTableTest, NoErrorIsLeftOfADecimalCommaThatComesLate) {
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseTextTable("time;a\n1;99749\n2;0,25\n", "log.csv", {},
+                             WithTime("time"), &table, &error));
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(table.values(1, 1), 0.25);
+}
+
 TEST(TextTableTest, UnitsOfTheTime) {
   for (const char* name : {"Time [ms]", "time_ms", "t (msec)", "t in ms"}) {
     const Table table =
