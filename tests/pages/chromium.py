@@ -28,6 +28,7 @@ class Browser:
         self.process = subprocess.Popen(
             ["chromium", "--headless=new", "--no-sandbox", "--no-first-run",
              "--disable-extensions", "--disable-background-networking",
+             "--disable-dev-shm-usage", "--no-proxy-server",
              "--remote-debugging-pipe", "--window-size=1000,900",
              "--hide-scrollbars", f"--user-data-dir={self.folder}"] + flags +
             ["about:blank"],
