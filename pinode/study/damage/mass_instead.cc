@@ -48,7 +48,7 @@ std::vector<Kept> KeptGroups(const std::vector<std::string>& groups,
 }
 
 // Gives the groups their priors.
-bool Keep(const std::vector<Kept>& kept, IdentificationProblem* problem) {
+bool SetKept(const std::vector<Kept>& kept, IdentificationProblem* problem) {
   const std::shared_ptr<const StructuralDynamics> base = problem->dynamics;
   StructureTerms terms = TermsOf(*base);
   for (GroupTerm& term : terms.groups) {
@@ -79,7 +79,7 @@ class Comparison {
               FitSummary* fit) {
     IdentificationProblem problem = problem_;
     std::string unused;
-    if (!Keep(kept, &problem) ||
+    if (!SetKept(kept, &problem) ||
         (mass != nullptr && !AddSuspects({*mass}, &problem, &unused))) {
       return kInfinity;
     }
