@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The documentation site builds without a warning, and has a page for each
-# document, each floor and the Python package. Of the tutorials two are run: one
-# with a figure, one with a structure.
+# document, each floor and the Python package. Two tutorials are run, one with a
+# figure and one with a structure, and one report of the gallery is made.
 #
 #   tests/site_test.sh BUILD_DIR
 #
@@ -25,8 +25,8 @@ fi
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 "$root/pinode/site/build.sh" "$build" --tutorials=unknown_force,model_updating \
-  "$scratch"
-for page in index pinode/theory/README pinode/theory/ambient \
+  --reports=impact "$scratch"
+for page in index README pinode/site/gallery pinode/theory/README pinode/theory/ambient \
   pinode/case/README pinode/case/recipes pinode/case/first_case/logger \
   pinode/coming_from data/README tests/benchmarks/README \
   third_party_notes/eigen \
@@ -38,6 +38,11 @@ for page in index pinode/theory/README pinode/theory/ambient \
 done
 grep -q 'coming_from.html' "$scratch/index.html" || {
   echo "the index does not lead to pinode/coming_from"
+  exit 1
+}
+grep -q 'src="../../_static/reports/impact.html"' "$scratch/pinode/site/gallery.html" &&
+  grep -q '<svg' "$scratch/_static/reports/impact.html" || {
+  echo "the gallery has no report"
   exit 1
 }
 # A class with its comment, and functions with their docstrings.

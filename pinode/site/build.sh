@@ -2,12 +2,13 @@
 # Builds the documentation site: the project's documents as they are, the
 # tutorials as they run, and the API of both languages.
 #
-#   pinode/site/build.sh BUILD_DIR [--tutorials=NAME,...] [OUTPUT]
+#   pinode/site/build.sh BUILD_DIR [--tutorials=NAME,...] [--reports=NAME,...] [OUTPUT]
 #
-# BUILD_DIR: a build folder with the Python package, which the tutorials run and
-# whose docstrings are read. OUTPUT: where the pages go, BUILD_DIR/site unless
-# given. --tutorials: only these are run, the others have no figures. What Sphinx
-# warns of is an error. Installs nothing; the packages are in
+# BUILD_DIR: a build folder with the programs, which write the reports of the
+# gallery, and the Python package, which the tutorials run and whose docstrings
+# are read. OUTPUT: where the pages go, BUILD_DIR/site unless given. --tutorials:
+# only these are run, the others have no figures. --reports: only these are in the
+# gallery. What Sphinx warns of is an error. Installs nothing; the packages are in
 # pinode/site/packages.txt.
 set -euo pipefail
 
@@ -17,7 +18,7 @@ output=
 options=()
 for argument in "$@"; do
   case $argument in
-    --tutorials=*) options+=("$argument") ;;
+    --tutorials=* | --reports=*) options+=("$argument") ;;
     *) if [[ -z $build ]]; then build=$argument; else output=$argument; fi ;;
   esac
 done
@@ -41,7 +42,7 @@ mkdir -p -- "$build/site_doxygen"
   cd -- "$root"
   OUTPUT=$build/site_doxygen doxygen pinode/site/Doxyfile
 )
-"$python" "$root/pinode/site/stage.py" "${options[@]}" "$root" "$source"
+"$python" "$root/pinode/site/stage.py" "${options[@]}" "$root" "$build" "$source"
 # Once a header, the namespace is one and the same.
 "$python" -m sphinx -q -b html -w "$source/warnings" "$source" "$output" 2>/dev/null
 if grep -v -e 'namespacepinode' -e 'Duplicate C++ declaration' -e '^Declaration is' \

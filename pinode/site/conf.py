@@ -142,6 +142,7 @@ html_theme_options = {
     "sidebar_width": "260px",
     "fixed_sidebar": True,
 }
+templates_path = ["_templates"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False

@@ -1,10 +1,10 @@
 """Lays the project's documents out for Sphinx.
 
-    stage.py [--tutorials=NAME,...] ROOT SOURCE
+    stage.py [--tutorials=NAME,...] [--reports=NAME,...] ROOT BUILD SOURCE
 
 SOURCE gets the documents in the folders that they have in ROOT, so that their
-links hold, beside the files that they link to; ROOT's README becomes the index.
-Tutorials are run, all or those that are named (the others stay as they are), and
+links hold, beside the files that they link to; landing.md becomes the index.
+Reports of the gallery are made by the programs of BUILD. Tutorials are run, all or those that are named (the others stay as they are), and
 become pages with their figures. There is a page of C++ for each floor.
 """
 
@@ -18,12 +18,15 @@ import benchmark_figure
 import nbconvert
 import nbformat
 import pinode
+import reports
 from nbconvert.preprocessors import ExecutePreprocessor
 
 TUTORIALS = pathlib.Path("pinode/python/tutorials")
+LANDING = pathlib.Path("pinode/site/landing.md")
+GALLERY = pathlib.Path("pinode/site/gallery.md")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
-    ("Use", ["pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
+    ("Use", ["README", "pinode/site/gallery", "pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
              "pinode/case/security",
              "pinode/python/README", "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
              "apps/README"]),
@@ -80,9 +83,7 @@ class Stage:
             if is_address(target):
                 return match[0]
             file = pathlib.Path(os.path.normpath(page.parent / target))
-            if file == pathlib.Path("README.md"):
-                target = os.path.relpath("index.md", page.parent)
-            elif file == TUTORIALS:
+            if file == TUTORIALS:
                 target = os.path.relpath("tutorials.md", page.parent)
             elif (self.root / file).is_dir():
                 target = os.path.join(target, "README.md")
@@ -109,11 +110,16 @@ class Stage:
             page = path.relative_to(self.root)
             if page.parts[0].startswith(("build", ".")) or "floors_fixture" in page.parts:
                 continue
-            text = self.linked(page, path.read_text())
+            text = path.read_text()
+            if page == LANDING:
+                # Seen from the index, which has no folder.
+                text = LINK.sub(lambda match: match[0] if is_address(match[1]) else
+                                f"]({os.path.normpath(page.parent / match[1])}{match[2]})", text)
+                page = pathlib.Path("index.md")
+            text = self.linked(page, text)
             if page == benchmark_figure.PAGE:
                 text = benchmark_figure.with_figure(text, self.source / page.parent)
-            if page == pathlib.Path("README.md"):
-                page = pathlib.Path("index.md")
+            if page == pathlib.Path("index.md"):
                 for title, pages in CONTENTS:
                     text += toctree(title, [p for p in pages if self.has(p)],
                                     hidden="", maxdepth=2)
@@ -189,7 +195,9 @@ class Stage:
 def main():
     options = argparse.ArgumentParser()
     options.add_argument("--tutorials", type=lambda names: names.split(","))
+    options.add_argument("--reports", type=lambda names: names.split(","))
     options.add_argument("root", type=pathlib.Path)
+    options.add_argument("build", type=pathlib.Path)
     options.add_argument("source", type=pathlib.Path)
     chosen = options.parse_args()
     root, source = chosen.root, chosen.source
@@ -198,7 +206,11 @@ def main():
     shutil.copyfile(own / "conf.py", source / "conf.py")
     (source / "_static").mkdir()
     shutil.copyfile(own / "site.css", source / "_static" / "site.css")
+    shutil.copytree(own / "templates", source / "_templates")
     stage.documents()
+    introduction = (root / GALLERY).read_text()
+    stage.write(GALLERY, introduction + reports.gallery(
+        root, chosen.build, source / "_static", chosen.reports))
     stage.tutorials()
     stage.cpp()
     stage.python()
