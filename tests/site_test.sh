@@ -77,7 +77,9 @@ if grep -qE '</strong>( \(.*\))? –( |</p>|$)*<|“|”' "$scratch/api_python.h
   echo "the API has arguments of which nothing is said, or quotes that are none"
   exit 1
 fi
-if sed 's/<[^>]*>//g' "$scratch"/api/*.html "$scratch/api_python.html" | grep -m1 '`'; then
+quoted=$(sed 's/<[^>]*>//g' "$scratch"/api/*.html "$scratch/api_python.html" | grep '`' || true)
+if [[ -n $quoted ]]; then
+  head -n 3 <<<"$quoted"
   echo "the API has names between backquotes"
   exit 1
 fi

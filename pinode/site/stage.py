@@ -26,7 +26,7 @@ LANDING = pathlib.Path("pinode/site/landing.md")
 GALLERY = pathlib.Path("pinode/site/gallery.md")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
-    ("Use", ["README", "pinode/site/gallery", "pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
+    ("Use", ["Start <README>", "pinode/site/gallery", "pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
              "pinode/case/security",
              "pinode/python/README", "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
              "apps/README"]),
@@ -136,6 +136,7 @@ class Stage:
             self.write(page, text)
 
     def has(self, page):
+        page = re.sub(r".*<(.*)>", r"\1", page)
         return (page in ("tutorials", "api_cpp", "api_python") or
                 (self.root / f"{page}.md").exists())
 

@@ -471,9 +471,9 @@ class Case:
     ) -> "Discovery":
         """Finds closed-form equations that replace the networks of a model.
 
-        The table `discover` of the case has the options. With `discover={"source":
-        "derivatives"}` no trained network is needed: the equations come from the
-        derivatives of smoothed records.
+        The table `discover` of the case has the options. With
+        `discover={"source": "derivatives"}` no trained network is needed: the
+        equations come from the derivatives of smoothed records.
 
         model: a fit of this case, or its result folder.
         output: result folder, as `pinode_discover` writes it, with checkpoints.
