@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "pinode/base/stopwatch.h"
 #include "pinode/case/results/checkpoint_file.h"
 #include "pinode/case/results/grown_case.h"
 #include "pinode/estimate/certainty/profile.h"
-#include "pinode/problem/progress.h"
 #include "pinode/study/identify/identify.h"
 
 namespace pinode {

@@ -17,15 +17,14 @@ namespace pinode {
 Fit::Fit(const IdentificationProblem& problem,
          const IdentificationOptions& options)
     : options_(options),
-      log_(&summary_),
+      log_(
+          options_, [this](const Vector& free) { return ModelToKeep(free); },
+          &summary_),
       layout_(problem),
       shooting_options_(ShootingOptions(options)),
       objective_(problem, layout_, shooting_options_),
       context_{problem, options_, layout_, objective_, summary_},
-      progress_(
-          options_, [this](const Vector& free) { return ModelToKeep(free); },
-          &summary_),
-      solver_(context_, &log_, &progress_),
+      solver_(context_, &log_),
       annealing_(context_),
       reweighting_(context_, &log_, &annealing_) {}
 
@@ -40,7 +39,7 @@ IdentifiedModel Fit::ModelToKeep(const Vector& free) {
   if (annealing_.HasBegun()) {
     current_.free_run_error =
         FreeRunError(context_.problem, layout_, objective_.shooting(), free);
-    progress_.set_free_run_error(current_.free_run_error);
+    log_.SetFreeRunError(current_.free_run_error);
     earlier = IsWorseThanBest(current_);
   }
   const FitState& state = earlier ? best_ : current_;
@@ -119,7 +118,7 @@ void Fit::BeginAnnealing() {
 bool Fit::RunStage(Eigen::Index samples, bool last) {
   StageRecord record;
   bool settled = false;
-  Stage stage(context_, &log_, &solver_, &reweighting_, &progress_);
+  Stage stage(context_, &log_, &solver_, &reweighting_);
   if (!stage.Run(samples, last, &current_, &record, &settled)) return false;
   if (last) converged_ = settled;
   // If no simulation stays finite, the result of the segments is kept. A
@@ -163,7 +162,7 @@ bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
     // segments would change nothing.
     if (!last && gaps_closed) continue;
     stage_ = s;
-    progress_.BeginStage(s, num_stages, samples);
+    log_.BeginStage(s, num_stages, samples);
     const FitState before = current_;
     if (last && anneal) BeginAnnealing();
     if (!RunStage(samples, last)) {
@@ -199,7 +198,7 @@ void Fit::FitInputNoise() {
       FitWithInputNoise(
           context_.problem, layout_, shooting_options_, best_.decays,
           [&](const Vector& free, double cost) {
-            return progress_.GoOn(free, cost, largest_gap);
+            return log_.GoOn(free, cost, largest_gap);
           },
           &fit, &error)) {
     best_.free = fit.free;

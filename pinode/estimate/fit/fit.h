@@ -8,13 +8,12 @@
 
 #include "pinode/base/types.h"
 #include "pinode/estimate/certainty/input_noise_fit.h"
+#include "pinode/estimate/fit/fit_log.h"
 #include "pinode/estimate/fit/reweighting.h"
 #include "pinode/estimate/fit/solve.h"
 #include "pinode/estimate/fit/stage.h"
 #include "pinode/estimate/objective/annealing.h"
-#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
-#include "pinode/problem/progress.h"
 
 namespace pinode {
 
@@ -43,7 +42,7 @@ class Fit {
   // Stage in which the fit ended, from 1.
   int stage() const { return stage_; }
   bool converged() const { return converged_; }
-  bool interrupted() const { return progress_.interrupted(); }
+  bool interrupted() const { return log_.interrupted(); }
   // Set if the fit ended with the excitation's errors as unknowns.
   const std::optional<InputNoiseFit>& input_noise() const {
     return input_noise_;
@@ -79,7 +78,6 @@ class Fit {
   const MultipleShooting::Options shooting_options_;
   Objective objective_;
   const FitContext context_;
-  Progress progress_;
   Solver solver_;
   Annealing annealing_;
   Reweighting reweighting_;

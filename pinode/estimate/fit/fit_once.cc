@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "pinode/base/stopwatch.h"
 #include "pinode/estimate/fit/ambient_start.h"
 #include "pinode/estimate/fit/multistart.h"
 #include "pinode/estimate/fit/outcome.h"

@@ -3,8 +3,8 @@
 #ifndef PINODE_ESTIMATE_FIT_REWEIGHTING_H_
 #define PINODE_ESTIMATE_FIT_REWEIGHTING_H_
 
+#include "pinode/estimate/fit/fit_log.h"
 #include "pinode/estimate/objective/annealing.h"
-#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
 #include "pinode/estimate/objective/noise_levels.h"
 

@@ -11,6 +11,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
+#include "pinode/base/stopwatch.h"
 #include "pinode/estimate/objective/bending.h"
 #include "pinode/estimate/solver/bent_cost.h"
 #include "pinode/estimate/solver/bounded_cost.h"
@@ -89,13 +90,13 @@ class Solver::Callback final : public ceres::IterationCallback {
     record.largest_gap = context_.objective.shooting().LargestGap();
     record.accepted = iteration.step_is_successful;
     if (iteration.iteration > 0) {
-      solver_.log_->AddIteration(record.iteration,
-                                 iteration.step_is_successful);
+      solver_.log_->CountIteration(record.iteration,
+                                   iteration.step_is_successful);
     }
     *radius_ = iteration.trust_region_radius;
     const Vector free =
         bounded_.Unscaled(bent_ == nullptr ? scaled_ : bent_->PointOf(scaled_));
-    if (!solver_.progress_->Note(record, free)) {
+    if (!solver_.log_->Note(record, free)) {
       // After an abort Ceres would return its starting point.
       is_stopped_ = true;
       return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
@@ -128,8 +129,8 @@ class Solver::Callback final : public ceres::IterationCallback {
   bool is_stopped_ = false;
 };
 
-Solver::Solver(const FitContext& context, FitLog* log, Progress* progress)
-    : context_(context), log_(log), progress_(progress) {
+Solver::Solver(const FitContext& context, FitLog* log)
+    : context_(context), log_(log) {
   ResetRadius();
 }
 
@@ -171,7 +172,7 @@ void Solver::Settle(const CondensedSystem& system, double gradient_norm,
   record.trust_region_radius = radius_;
   record.largest_gap = context_.objective.shooting().LargestGap();
   record.accepted = true;
-  progress_->Note(record, state->free);
+  log_->Note(record, state->free);
   state->optimality = MeasureOptimality(context_.layout, state->free, system);
 }
 

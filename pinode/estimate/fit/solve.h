@@ -3,9 +3,8 @@
 #ifndef PINODE_ESTIMATE_FIT_SOLVE_H_
 #define PINODE_ESTIMATE_FIT_SOLVE_H_
 
-#include "pinode/estimate/objective/fit_log.h"
+#include "pinode/estimate/fit/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
-#include "pinode/problem/progress.h"
 
 namespace pinode {
 
@@ -15,7 +14,7 @@ namespace pinode {
 class Solver {
  public:
   // Keeps references to all arguments, which must outlive this object.
-  Solver(const FitContext& context, FitLog* log, Progress* progress);
+  Solver(const FitContext& context, FitLog* log);
 
   // Resets the radius to the initial one.
   void ResetRadius();
@@ -66,7 +65,6 @@ class Solver {
 
   const FitContext& context_;
   FitLog* log_;
-  Progress* progress_;
   double radius_ = 0.0;
 };
 

@@ -29,7 +29,7 @@ bool Stage::CloseGaps(bool last, FitState* state, bool* settled) {
        ++round) {
     bool converged = false;
     if (!solver_->Solve(limits, state, &converged)) return false;
-    if (progress_->interrupted()) break;
+    if (log_->interrupted()) break;
     // A firmer penalty makes the cost grow, but not as much as this: the
     // trajectories diverge, and no further round reunites them.
     if (round == 0) first_cost = std::max(1.0, state->cost);
@@ -84,7 +84,7 @@ bool Stage::SettleSingle(FitState* state, bool* settled) {
                         &converged)) {
       return false;
     }
-    if (progress_->interrupted()) break;
+    if (log_->interrupted()) break;
     if (networks && fine && converged &&
         (quiet || evidence_rounds >= 2 * evidence.rounds ||
          solver_->IsBelow(residual, state->free))) {
@@ -146,7 +146,7 @@ bool Stage::Run(Eigen::Index samples, bool last, FitState* state,
   const auto measure = [&]() {
     const double error =
         FreeRunError(context_.problem, context_.layout, shooting, state->free);
-    progress_->set_free_run_error(error);
+    log_->SetFreeRunError(error);
     return error;
   };
   measure();

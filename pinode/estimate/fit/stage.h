@@ -3,11 +3,10 @@
 #ifndef PINODE_ESTIMATE_FIT_STAGE_H_
 #define PINODE_ESTIMATE_FIT_STAGE_H_
 
+#include "pinode/estimate/fit/fit_log.h"
 #include "pinode/estimate/fit/reweighting.h"
 #include "pinode/estimate/fit/solve.h"
-#include "pinode/estimate/objective/fit_log.h"
 #include "pinode/estimate/objective/fit_state.h"
-#include "pinode/problem/progress.h"
 
 namespace pinode {
 
@@ -20,12 +19,11 @@ class Stage {
  public:
   // Keeps references to all arguments, which must outlive this object.
   Stage(const FitContext& context, FitLog* log, Solver* solver,
-        Reweighting* reweighting, Progress* progress)
+        Reweighting* reweighting)
       : context_(context),
         log_(log),
         solver_(solver),
-        reweighting_(reweighting),
-        progress_(progress) {}
+        reweighting_(reweighting) {}
 
   // Updates *state with segments of about `samples` samples; 0: one per record.
   // *settled: the solve has converged, and so have noise and decays. Fills
@@ -42,7 +40,6 @@ class Stage {
   FitLog* log_;
   Solver* solver_;
   Reweighting* reweighting_;
-  Progress* progress_;
 };
 
 }  // namespace pinode

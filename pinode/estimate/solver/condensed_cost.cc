@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "pinode/base/stopwatch.h"
 #include "pinode/estimate/solver/square_root.h"
 
 namespace pinode {
@@ -49,9 +50,7 @@ bool CondensedCost::Evaluate(double const* const* parameters, double* residuals,
     ok = EvaluateWithJacobian(free, residuals, jacobians[0]);
   }
   if (!ok) ++failed_evaluations_;
-  jacobian_seconds_ +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
-          .count();
+  jacobian_seconds_ += SecondsSince(begin);
   return ok;
 }
 

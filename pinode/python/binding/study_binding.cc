@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/stopwatch.h"
 #include "pinode/case/results/baseline_folder.h"
 #include "pinode/case/results/damage_files.h"
 #include "pinode/case/results/discover_files.h"
@@ -62,11 +63,6 @@ std::vector<Baseline> ReadBaselines(const py::list& list, const Case& c) {
     Require(ok, error);
   }
   return baselines;
-}
-
-double SecondsSince(std::chrono::steady_clock::time_point begun) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun)
-      .count();
 }
 
 void KeepJudgement(JudgedChange judgement, Fit* fit) {

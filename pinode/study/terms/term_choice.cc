@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/stopwatch.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
 #include "pinode/problem/parameter_layout.h"
-#include "pinode/problem/progress.h"
 #include "pinode/study/terms/term_proposal.h"
 #include "pinode/study/terms/term_worth.h"
 
