@@ -63,7 +63,7 @@ struct StartTuning {
   double prior_precision = 1e-4;
 };
 
-// Closing of the gaps between segments (gap_penalty.h, stage.h).
+// Closing of the gaps between segments (gap_penalty.h, fit.h).
 struct GapTuning {
   // Size below which a gap counts as closed, in units of the state's RMS.
   double closed = 1e-6;
@@ -79,7 +79,7 @@ struct GapTuning {
   double nearly_closed = 10.0;
 };
 
-// Single solves, and the rounds of a stage (solve.h, stage.h).
+// Single solves, and the rounds of a stage (solve.h, fit.h).
 struct SolveTuning {
   // Largest number of rounds of one stage. Multipliers, noise levels and decay
   // are updated between rounds. After half of the rounds the stage is brought

@@ -11,16 +11,22 @@
 #include "pinode/estimate/fit/fit_log.h"
 #include "pinode/estimate/fit/reweighting.h"
 #include "pinode/estimate/fit/solve.h"
-#include "pinode/estimate/fit/stage.h"
 #include "pinode/estimate/objective/annealing.h"
 #include "pinode/estimate/objective/fit_state.h"
 
 namespace pinode {
 
-// Runs the stages of stage_schedule.h, each a Stage, and keeps the state with
-// the best prediction. A stage that increases the expected error is undone.
-// Networks are annealed in the last stage (annealing.h). After it, errors of
-// the excitation become unknowns if possible (input_noise_fit.h).
+// Runs the stages of stage_schedule.h, each with segments of one length, and
+// keeps the state with the best prediction. A stage solves in rounds. Noise
+// levels and decays are estimated again between them (reweighting.h):
+//
+//   several segments   an augmented Lagrangian (gap_penalty.h) closes the gaps
+//   single segments    until noise and evidence are quiet, then to the
+//                      tolerance that the user asked for
+//
+// A stage that increases the expected error is undone. Networks are annealed in
+// the last stage (annealing.h). After it, errors of the excitation become
+// unknowns if possible (input_noise_fit.h).
 class Fit {
  public:
   // Keeps a reference to `problem`, which must outlive this object.
@@ -67,7 +73,22 @@ class Fit {
   [[nodiscard]] bool Prepare(const Vector& parameters,
                              Eigen::Index segment_samples,
                              const IdentifiedModel* initial);
+  // Runs a stage with segments of about `samples` samples; 0: one per record.
+  // Keeps its state, or undoes it. Returns false, with the summary's message,
+  // if no finite trajectory starts from here.
   [[nodiscard]] bool RunStage(Eigen::Index samples, bool last);
+  // The solve of a stage, without a judgement of its state. *settled: the solve
+  // has converged, and so have noise and decays. Fills *record, except for its
+  // flag of a rollback.
+  [[nodiscard]] bool SolveStage(Eigen::Index samples, bool last,
+                                StageRecord* record, bool* settled);
+  // Cuts the records along the current trajectories, and linearises there.
+  [[nodiscard]] bool BeginSegments(Eigen::Index samples, StageRecord* record);
+  [[nodiscard]] bool CloseGaps(bool last, bool* settled);
+  [[nodiscard]] bool SettleSingle(bool* settled);
+  // Returns the error of simulations at `free`, which progress shows from now
+  // on.
+  double MeasureFreeRun(const Vector& free);
   void BeginAnnealing();
   void FitInputNoise();
 
