@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "pinode/estimate/objective/modal_cost.h"
-#include "pinode/estimate/objective/noise_levels.h"
 #include "pinode/estimate/objective/prior_cost.h"
 #include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
@@ -28,6 +27,32 @@ struct TrajectoryCost::Owned {
 };
 
 namespace {
+
+// Checks given noise: one positive number per channel and training record, or
+// nothing at all. Returns false, with *error, for anything else.
+bool AreValidSigmas(const IdentificationProblem& problem,
+                    const std::vector<Vector>& sigmas, std::string* error) {
+  if (sigmas.empty()) return true;
+  if (static_cast<int>(sigmas.size()) != problem.num_train_records()) {
+    *error = "there are sigmas for " + std::to_string(sigmas.size()) +
+             " training records of " +
+             std::to_string(problem.num_train_records());
+    return false;
+  }
+  size_t t = 0;
+  for (const IdentificationRecord& record : problem.records) {
+    if (record.role != IdentificationRecord::Role::kTrain) continue;
+    const Vector& sigma = sigmas[t++];
+    if (sigma.size() != static_cast<Eigen::Index>(record.channels.size()) ||
+        !sigma.allFinite() || !(sigma.array() > 0.0).all()) {
+      *error = "record '" + record.name + "': its sigmas must be " +
+               std::to_string(record.channels.size()) +
+               " positive numbers, one per channel";
+      return false;
+    }
+  }
+  return true;
+}
 
 bool AreValidOptions(const IdentificationProblem& problem,
                      const TrajectoryCost::Options& options,

@@ -126,7 +126,7 @@ struct SolveTuning {
   int fine_network_iterations = 50;
 };
 
-// Noise levels (noise_levels.h). Shares are fractions of the standard deviation
+// Noise levels (reweighting.h). Shares are fractions of the standard deviation
 // of a channel's samples, unless stated.
 struct NoiseTuning {
   // First guess of a noise that is estimated.

@@ -84,7 +84,7 @@ bool Fit::Prepare(const Vector& parameters, Eigen::Index segment_samples,
       context_.HasNetworks() && initial != nullptr && initial->resume_stage > 0
           ? nullptr
           : initial;
-  current_.sigmas = reweighting_.noise().First(known);
+  current_.sigmas = reweighting_.FirstSigmas(known);
   current_.decays = FirstDecays(layout_, context_.tuning().evidence, known);
   solver_.ResetRadius();
   objective_.shooting().SetSigmas(current_.sigmas);

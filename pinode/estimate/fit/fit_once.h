@@ -19,7 +19,7 @@ namespace pinode {
 //      (stage_schedule.h, fit.h), beginning from a Rauch-Tung-Striebel smoother
 //      on the given model (initial_states.h),
 //   2. per stage (fit.h), an augmented Lagrangian closes the gaps; noise levels
-//      (noise_levels.h) and weight decay (evidence.h) are re-estimated between
+//      (reweighting.h) and weight decay (evidence.h) are re-estimated between
 //      its rounds, and networks are learned anew in the last (annealing.h),
 //   3. the free run over the whole record is scored (score.h); a stage that
 //      makes it worse is undone,

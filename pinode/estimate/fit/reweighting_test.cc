@@ -1,4 +1,4 @@
-#include "pinode/estimate/objective/noise_levels.h"
+#include "pinode/estimate/fit/reweighting.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace pinode {
 namespace {
 
 // A chain with two training records and a hold-out record of the same sensor.
-class NoiseLevelsTest : public ::testing::Test {
+class ReweightingTest : public ::testing::Test {
  protected:
   void SetUp() override {
     auto dynamics = testing::MakeGroupedChain(1, 40.0, 0.4);
@@ -41,7 +41,7 @@ class NoiseLevelsTest : public ::testing::Test {
   Matrix truth_;
 };
 
-TEST_F(NoiseLevelsTest, AssumesAShareOfTheSpread) {
+TEST_F(ReweightingTest, AssumesAShareOfTheSpread) {
   problem_.records[1].channels[0].sigma = 0.3;
   const auto sigmas = AssumedNoise(problem_, NoiseTuning());
   ASSERT_EQ(sigmas.size(), 2u);
@@ -49,7 +49,7 @@ TEST_F(NoiseLevelsTest, AssumesAShareOfTheSpread) {
   EXPECT_EQ(sigmas[1][0], 0.3);
 }
 
-TEST_F(NoiseLevelsTest, TheSameSensorHasTheSameNoise) {
+TEST_F(ReweightingTest, TheSameSensorHasTheSameNoise) {
   const std::vector<Vector> train = {Vector::Constant(1, 0.1),
                                      Vector::Constant(1, 0.2)};
   auto all = NoiseOfAllRecords(problem_, train, NoiseTuning());
@@ -61,32 +61,28 @@ TEST_F(NoiseLevelsTest, TheSameSensorHasTheSameNoise) {
   EXPECT_DOUBLE_EQ(all[2][0], 0.05 * SpreadOf(2));
 }
 
-TEST_F(NoiseLevelsTest, ComesToTheNoiseOfTheTruth) {
+TEST_F(ReweightingTest, ComesToTheNoiseOfTheTruth) {
   const ParameterLayout layout(problem_);
   Objective objective(problem_, layout, MultipleShooting::Options());
   const IdentificationOptions options;
   FitSummary summary;
   const FitContext context{problem_, options, layout, objective, summary};
-  const NoiseLevels levels(context);
+  FitLog log(options, nullptr, &summary);
   Annealing annealing(context);
+  Reweighting reweighting(context, &log, &annealing);
   FitState state;
   state.free = Vector::Zero(1);
-  state.sigmas = levels.First(nullptr);
+  state.sigmas = reweighting.FirstSigmas(nullptr);
   EXPECT_DOUBLE_EQ(state.sigmas[0][0], 0.05 * SpreadOf(0));
   SetSegments(0, {truth_, truth_}, &objective.shooting());
-  NoiseLevels::Change change;
+  objective.shooting().SetSigmas(state.sigmas);
+  Reweighting::Outcome outcome;
   for (int round = 0; round < 5; ++round) {
-    objective.shooting().SetSigmas(state.sigmas);
-    CondensedSystem system;
-    WeightedRows rows;
-    Evidence evidence;
-    ASSERT_TRUE(objective.Linearize(state.free, &system));
-    rows.squares = *objective.shooting().state().SquaresAt(state.free);
-    ASSERT_TRUE(MeasureEvidence(layout, system.hessian, Vector(), state.free,
-                                &evidence));
-    change = levels.Update(rows, evidence, true, &annealing, &state);
+    outcome = reweighting.Update(true, &state);
   }
-  EXPECT_TRUE(change.quiet);
+  EXPECT_TRUE(outcome.noise_is_quiet);
+  EXPECT_TRUE(outcome.is_quiet);
+  EXPECT_NEAR(summary.effective_parameters, 1.0, 1e-6);
   // One parameter of 400 samples.
   EXPECT_NEAR(state.share_left, 1.0 - 1.0 / 400.0, 1e-6);
   // 200 samples: to 5 %, three times.
