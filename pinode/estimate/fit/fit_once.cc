@@ -1,7 +1,6 @@
 #include "pinode/estimate/fit/fit_once.h"
 
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <string>
 
@@ -30,42 +29,6 @@ bool FitsProblem(const IdentificationProblem& problem,
     return false;
   }
   return true;
-}
-
-// Networks have valleys without end, along which something could be saved for
-// ever; what they are asked for is in Stage.
-void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
-  if (!fit.converged()) return;
-  const FitState& best = fit.best();
-  summary->gradient_cosine = best.optimality.cosine;
-  summary->promised_share = best.optimality.promise;
-  // Error below which a simulation, or a mode, is limited by rounding alone. A
-  // last stage that was undone ended elsewhere.
-  constexpr double kExact = 1e-6;
-  const bool undone =
-      !summary->stages.empty() && summary->stages.back().rolled_back;
-  const bool exact = with_records ? best.free_run_error < kExact
-                                  : std::abs(best.cost) < kExact * kExact;
-  const double first_cost =
-      summary->iterations.empty() ? 0.0 : summary->iterations.front().cost;
-  summary->stalled = !fit.layout().HasNetworkDecay() && !undone && !exact &&
-                     best.optimality.IsStalled(best.cost, first_cost);
-}
-
-void SetTermination(const Fit& fit, FitSummary* summary) {
-  if (fit.interrupted()) {
-    summary->termination = Termination::kInterrupted;
-    summary->message = "interrupted; this is the best result so far";
-  } else if (summary->stalled) {
-    summary->termination = Termination::kNoConvergence;
-    summary->message = "stopped before a minimum";
-  } else if (fit.converged()) {
-    summary->termination = Termination::kConverged;
-    summary->message = "converged";
-  } else {
-    summary->termination = Termination::kNoConvergence;
-    summary->message = "not converged";
-  }
 }
 
 // The fit of an ambient record's modes, with which its own fit begins.
@@ -99,8 +62,6 @@ void FitOnce(const IdentificationProblem& problem,
   const std::unique_ptr<Fit> fit =
       RunStarts(problem, options, initial, summary);
   if (fit != nullptr) {
-    ReportOptimality(*fit, problem.num_train_records() > 0, summary);
-    SetTermination(*fit, summary);
     ReportOutcome(problem, options, fit.get(), summary, model);
   }
   summary->seconds = SecondsSince(begin);

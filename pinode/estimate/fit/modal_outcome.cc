@@ -9,6 +9,8 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/problem/verdict_limits.h"
+#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
@@ -135,6 +137,43 @@ void JudgeModes(const Vector& free, ModalCost* modes, bool* known,
       FormatNumber(std::sqrt(2.0 * cost / left), 3) + " times as large.");
 }
 
+// Returns the least damping ratio of the modes; NaN if no mode has one.
+double LeastDampingOf(const StructuralDynamics& dynamics,
+                      const Vector& parameters) {
+  const StructuralModel model =
+      dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
+  if (model.num_dofs() == 0) return kNaN;
+  ModalProperties modes;
+  std::string unused;
+  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
+                    &unused)) {
+    return kNaN;
+  }
+  double least = kInfinity;
+  for (double ratio : modes.damping_ratio) {
+    if (std::isfinite(ratio)) least = std::min(least, ratio);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+// Seconds of the longest record, in the model's unit of time.
+double LongestDuration(const IdentificationProblem& problem) {
+  double longest = 0.0;
+  for (const IdentificationRecord& record : problem.records) {
+    longest = std::max(longest, static_cast<double>(record.num_samples() - 1) *
+                                    record.sampling_step());
+  }
+  return longest;
+}
+
+bool HasFreeGroupOf(const StructuralDynamics& dynamics,
+                    MatrixGroup::Target target) {
+  return std::any_of(dynamics.groups().begin(), dynamics.groups().end(),
+                     [target](const GroupTerm& term) {
+                       return term.group.target == target && term.alpha.free;
+                     });
+}
+
 }  // namespace
 
 void ReportModes(const IdentificationProblem& problem,
@@ -149,6 +188,64 @@ void ReportModes(const IdentificationProblem& problem,
   if (!left_out.empty()) summary->remarks.push_back(left_out);
   if (*known && problem.num_train_records() == 0 && problem.ambient.empty()) {
     JudgeModes(layout.Free(parameters), modes, known, covariance, summary);
+  }
+}
+
+double LeastDamping(const IdentificationProblem& problem,
+                    const Vector& parameters) {
+  if (problem.num_train_records() > 0 || problem.ambient.empty()) {
+    return LeastDampingOf(*problem.dynamics, parameters);
+  }
+  double least = kInfinity;
+  for (const AmbientRecord& record : problem.ambient) {
+    const double found =
+        LeastDampingOf(record.AveragedDynamics(*problem.dynamics), parameters);
+    if (std::isfinite(found)) least = std::min(least, found);
+  }
+  return std::isfinite(least) ? least : kNaN;
+}
+
+bool DampingsAreBounded(const StructuralDynamics& dynamics) {
+  const auto& groups = dynamics.groups();
+  return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
+    return term.group.target == MatrixGroup::Target::kDamping &&
+           term.alpha.free && !std::isfinite(term.alpha.lower);
+  });
+}
+
+void ReportGrowingMotion(const IdentificationProblem& problem,
+                         const Vector& parameters, FitSummary* summary) {
+  const StructuralDynamics& dynamics = *problem.dynamics;
+  if (parameters.size() < dynamics.num_parameters()) return;
+  const StructuralModel model =
+      dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
+  if (model.num_dofs() == 0) return;
+  UndampedModes modes;
+  std::string unused;
+  if (!ComputeUndampedModes(model.mass, model.stiffness, &modes, &unused)) {
+    return;
+  }
+  const Eigen::VectorXcd values =
+      StateEigenvalues(model.mass, model.damping, model.stiffness);
+  Eigen::Index fastest = 0;
+  const double growth = values.real().maxCoeff(&fastest);
+  if (!(growth * LongestDuration(problem) > limits::kGrowth)) return;
+  const double frequency = std::abs(values[fastest].imag()) / kTwoPi;
+  const bool stiffness = frequency == 0.0 && modes.eigenvalues[0] < 0.0;
+  summary->growing_motion =
+      "a motion" +
+      (frequency > 0.0
+           ? " at " +
+                 FormatNumber(
+                     frequency * problem.description.HzPerModelFrequency(), 4) +
+                 " Hz"
+           : std::string()) +
+      " has negative " + (stiffness ? "stiffness" : "damping") +
+      " in the identified matrices";
+  if (HasFreeGroupOf(dynamics, stiffness ? MatrixGroup::Target::kStiffness
+                                         : MatrixGroup::Target::kDamping)) {
+    summary->growing_motion_advice =
+        "give the groups of this matrix a 'lower' bound or a 'prior_sigma'";
   }
 }
 

@@ -1,4 +1,4 @@
-// Results of a fit for measured modes.
+// Results of a fit for modes: measured ones, and those of its matrices.
 
 #ifndef PINODE_ESTIMATE_FIT_MODAL_OUTCOME_H_
 #define PINODE_ESTIMATE_FIT_MODAL_OUTCOME_H_
@@ -25,6 +25,22 @@ void ReportModes(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const Vector& parameters,
                  ModalCost* modes, bool* known, CovarianceEstimate* covariance,
                  FitSummary* summary);
+
+// Returns the least damping ratio of the matrices' modes at `parameters` (all
+// of the problem's), at the reference of the covariates. With ambient records
+// alone it is at the covariates of these. NaN if no mode has one.
+double LeastDamping(const IdentificationProblem& problem,
+                    const Vector& parameters);
+
+// True if free dampings have given lower bounds.
+bool DampingsAreBounded(const StructuralDynamics& dynamics);
+
+// Looks at the matrices of `problem` at `parameters` (all of the problem's). If
+// a motion grows by more than limits::kGrowth e-folds over the longest record,
+// sets summary->growing_motion to a sentence such as "a motion at 10.98 Hz has
+// negative damping in the matrices found", and the advice beside it.
+void ReportGrowingMotion(const IdentificationProblem& problem,
+                         const Vector& parameters, FitSummary* summary);
 
 }  // namespace pinode
 

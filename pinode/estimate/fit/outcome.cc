@@ -17,7 +17,6 @@
 #include "pinode/estimate/certainty/holdout_noise.h"
 #include "pinode/estimate/certainty/null_space.h"
 #include "pinode/estimate/certainty/prediction_band.h"
-#include "pinode/estimate/fit/growing_motion.h"
 #include "pinode/estimate/fit/modal_outcome.h"
 #include "pinode/estimate/objective/bending.h"
 #include "pinode/estimate/shooting/score.h"
@@ -27,10 +26,46 @@
 #include "pinode/estimate/start/time_scale.h"
 #include "pinode/problem/assumed_noise.h"
 #include "pinode/problem/verdict_limits.h"
-#include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
+
+// Says how far the fit is from a minimum. Networks have valleys without end,
+// along which something could be saved for ever; the end of their training is
+// in Fit.
+void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
+  if (!fit.converged()) return;
+  const FitState& best = fit.best();
+  summary->gradient_cosine = best.optimality.cosine;
+  summary->promised_share = best.optimality.promise;
+  // Error below which a simulation, or a mode, is limited by rounding alone. A
+  // last stage that was undone ended elsewhere.
+  constexpr double kExact = 1e-6;
+  const bool undone =
+      !summary->stages.empty() && summary->stages.back().rolled_back;
+  const bool exact = with_records ? best.free_run_error < kExact
+                                  : std::abs(best.cost) < kExact * kExact;
+  const double first_cost =
+      summary->iterations.empty() ? 0.0 : summary->iterations.front().cost;
+  summary->stalled = !fit.layout().HasNetworkDecay() && !undone && !exact &&
+                     best.optimality.IsStalled(best.cost, first_cost);
+}
+
+void SetTermination(const Fit& fit, FitSummary* summary) {
+  if (fit.interrupted()) {
+    summary->termination = Termination::kInterrupted;
+    summary->message = "interrupted; this is the best result so far";
+  } else if (summary->stalled) {
+    summary->termination = Termination::kNoConvergence;
+    summary->message = "stopped before a minimum";
+  } else if (fit.converged()) {
+    summary->termination = Termination::kConverged;
+    summary->message = "converged";
+  } else {
+    summary->termination = Termination::kNoConvergence;
+    summary->message = "not converged";
+  }
+}
 
 // Makes the estimate of one parameter.
 ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
@@ -211,51 +246,6 @@ void BandPredictions(const IdentificationProblem& problem,
   }
 }
 
-// Returns the least damping ratio of the matrices' modes; NaN if no mode has
-// one.
-double LeastDampingOf(const StructuralDynamics& dynamics,
-                      const Vector& parameters) {
-  const StructuralModel model =
-      dynamics.HeldModel(parameters.head(dynamics.num_parameters()));
-  if (model.num_dofs() == 0) return kNaN;
-  ModalProperties modes;
-  std::string unused;
-  if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,
-                    &unused)) {
-    return kNaN;
-  }
-  double least = kInfinity;
-  for (double ratio : modes.damping_ratio) {
-    if (std::isfinite(ratio)) least = std::min(least, ratio);
-  }
-  return std::isfinite(least) ? least : kNaN;
-}
-
-// Returns the same at the reference of the covariates or, with ambient records
-// alone, at the covariates of these.
-double LeastDamping(const IdentificationProblem& problem,
-                    const Vector& parameters) {
-  if (problem.num_train_records() > 0 || problem.ambient.empty()) {
-    return LeastDampingOf(*problem.dynamics, parameters);
-  }
-  double least = kInfinity;
-  for (const AmbientRecord& record : problem.ambient) {
-    const double found =
-        LeastDampingOf(record.AveragedDynamics(*problem.dynamics), parameters);
-    if (std::isfinite(found)) least = std::min(least, found);
-  }
-  return std::isfinite(least) ? least : kNaN;
-}
-
-// True if free dampings have given lower bounds.
-bool DampingsAreBounded(const StructuralDynamics& dynamics) {
-  const auto& groups = dynamics.groups();
-  return std::none_of(groups.begin(), groups.end(), [](const GroupTerm& term) {
-    return term.group.target == MatrixGroup::Target::kDamping &&
-           term.alpha.free && !std::isfinite(term.alpha.lower);
-  });
-}
-
 // Describes the groups that the record does not determine because the loads are
 // unknown; empty: it determines all.
 std::string WhatLoadsHide(const AmbientScore& score) {
@@ -325,6 +315,8 @@ void ReportOutcome(const IdentificationProblem& problem,
                    FitSummary* summary, IdentifiedModel* model) {
   const FitState& best = fit->best();
   const ParameterLayout& layout = fit->layout();
+  ReportOptimality(*fit, problem.num_train_records() > 0, summary);
+  SetTermination(*fit, summary);
   model->parameters = fit->BestParameters();
   model->decays = best.decays;
   model->sigmas = NoiseOfAllRecords(problem, best.sigmas, options.tuning.noise);

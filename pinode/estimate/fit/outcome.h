@@ -11,10 +11,10 @@
 
 namespace pinode {
 
-// Reports the covariance at the fit's best point, the parameters' intervals and
-// the forces' bands. Scores every record, simulated from its start, and every
-// mode, each compared with the initial model. Leaves the fields that the fit's
-// own summary already holds: iterations, stages, gaps.
+// Reports how the fit ended, the covariance at its best point, the parameters'
+// intervals and the forces' bands. Scores every record, simulated from its
+// start, and every mode, each compared with the initial model. Leaves the
+// fields that the fit's own summary already holds: iterations, stages, gaps.
 void ReportOutcome(const IdentificationProblem& problem,
                    const IdentificationOptions& options, Fit* fit,
                    FitSummary* summary, IdentifiedModel* model);

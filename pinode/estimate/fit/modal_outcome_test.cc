@@ -1,4 +1,4 @@
-#include "pinode/estimate/fit/growing_motion.h"
+#include "pinode/estimate/fit/modal_outcome.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ IdentificationProblem ChainWithDampingGroup() {
   return problem;
 }
 
-TEST(GrowingMotion, NamesWhatTheMatricesLetGrow) {
+TEST(ModalOutcome, NamesWhatTheMatricesLetGrow) {
   const IdentificationProblem problem = ChainWithDampingGroup();
   Vector parameters = problem.dynamics->Parameters();
   FitSummary summary;
@@ -46,7 +46,7 @@ TEST(GrowingMotion, NamesWhatTheMatricesLetGrow) {
   EXPECT_THAT(summary.growing_motion_advice, HasSubstr("'lower' bound"));
 }
 
-TEST(GrowingMotion, KnowsNegativeStiffness) {
+TEST(ModalOutcome, KnowsNegativeStiffness) {
   const IdentificationProblem problem = ChainWithDampingGroup();
   Vector parameters = problem.dynamics->Parameters();
   FitSummary summary;
