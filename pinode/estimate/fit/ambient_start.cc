@@ -170,35 +170,20 @@ ModalData KnownToModel(const IdentificationProblem& problem,
 
 }  // namespace
 
-bool StartFromAmbientModes(const IdentificationProblem& problem,
-                           const IdentificationOptions& options,
-                           const FitOfModes& fit, IdentifiedModel* model) {
+bool ModesOfAmbientRecord(const IdentificationProblem& problem, int num_threads,
+                          IdentificationProblem* modes_alone) {
   if (problem.ambient.empty() || problem.num_train_records() > 0 ||
       !problem.modal.empty()) {
     return false;
   }
   ModalData modal;
-  AddModes(problem, problem.ambient.front(), options.num_threads, &modal);
+  AddModes(problem, problem.ambient.front(), num_threads, &modal);
   // Leaves out the records, to avoid a copy.
-  IdentificationProblem modes_alone;
-  modes_alone.dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
-  modes_alone.sensors = problem.sensors;
-  modes_alone.description = problem.description;
-  modes_alone.modal = KnownToModel(modes_alone, modal);
-  if (modes_alone.modal.empty()) return false;
-  IdentificationOptions quick = options;
-  quick.num_starts = 1;
-  quick.callback = nullptr;
-  FitSummary summary;
-  IdentifiedModel found;
-  fit(modes_alone, quick, &summary, &found);
-  if (summary.termination == Termination::kFailure ||
-      summary.termination == Termination::kInterrupted ||
-      !found.parameters.allFinite()) {
-    return false;
-  }
-  model->parameters = found.parameters;
-  return true;
+  modes_alone->dynamics = SeenBy(problem.ambient.front(), *problem.dynamics);
+  modes_alone->sensors = problem.sensors;
+  modes_alone->description = problem.description;
+  modes_alone->modal = KnownToModel(*modes_alone, modal);
+  return !modes_alone->modal.empty();
 }
 
 }  // namespace pinode

@@ -3,31 +3,21 @@
 #ifndef PINODE_ESTIMATE_FIT_AMBIENT_START_H_
 #define PINODE_ESTIMATE_FIT_AMBIENT_START_H_
 
-#include <functional>
-
-#include "pinode/problem/identification_options.h"
 #include "pinode/problem/identification_problem.h"
-#include "pinode/problem/identified_model.h"
 
 namespace pinode {
 
-// Finds an initial model from the modes of ambient records. The likelihood of a
-// spectrum has narrow peaks: a frequency that is wrong by more than a few
-// bandwidths is not drawn to its place. Therefore the modes of the records,
-// which need no model (pinode/modal), are fitted first.
+// Makes a problem of measured modes alone, whose fit is the initial model for
+// the ambient records of `problem`. The likelihood of a spectrum has narrow
+// peaks: a frequency that is wrong by more than a few bandwidths is not drawn
+// to its place. The modes of the records need no model (pinode/modal).
 //
-// `fit` fits them: a problem of measured modes alone, from its own values.
-//
-// Returns false, with *model untouched, if this start does not apply: there is
-// no ambient record, the fit can begin with other data as well, or the modes
-// and the model have nothing in common.
-using FitOfModes = std::function<void(
-    const IdentificationProblem& problem, const IdentificationOptions& options,
-    FitSummary* summary, IdentifiedModel* model)>;
-[[nodiscard]] bool StartFromAmbientModes(const IdentificationProblem& problem,
-                                         const IdentificationOptions& options,
-                                         const FitOfModes& fit,
-                                         IdentifiedModel* model);
+// Returns false if this start does not apply: there is no ambient record, the
+// fit can begin with other data as well, or the modes and the model have
+// nothing in common. *modes_alone is new.
+[[nodiscard]] bool ModesOfAmbientRecord(const IdentificationProblem& problem,
+                                        int num_threads,
+                                        IdentificationProblem* modes_alone);
 
 }  // namespace pinode
 

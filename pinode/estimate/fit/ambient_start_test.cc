@@ -9,20 +9,22 @@
 namespace pinode {
 namespace {
 
-void FitModes(const IdentificationProblem& modes_alone,
-              const IdentificationOptions& options, FitSummary* summary,
-              IdentifiedModel* model) {
-  FitOnce(modes_alone, options, nullptr, summary, model);
+// Largest error of the three springs, after a fit to the record's modes alone.
+double LargestErrorOfStart(const IdentificationProblem& problem) {
+  IdentificationProblem modes_alone;
+  if (!ModesOfAmbientRecord(problem, 1, &modes_alone)) return kInfinity;
+  FitSummary summary;
+  IdentifiedModel model;
+  FitOnce(modes_alone, IdentificationOptions(), nullptr, &summary, &model);
+  EXPECT_EQ(summary.termination, Termination::kConverged) << summary.message;
+  return model.parameters.head(3).cwiseAbs().maxCoeff();
 }
 
 TEST(AmbientStart, BeginsNearTheModesOfTheRecord) {
   const TestChain chain = RayleighChain(3);
   const IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.08, RecordOfChain(chain, 300.0, 3, 0.9));
-  IdentifiedModel model;
-  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), FitModes,
-                                    &model));
-  EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT(LargestErrorOfStart(problem), 0.03);
 }
 
 // A part of a long record is enough: the part without gaps.
@@ -38,10 +40,7 @@ TEST(AmbientStart, TakesThePartOfALongRecordThatIsThere) {
   record.samples = samples;
   const IdentificationProblem problem =
       ProblemOfChain(chain, kChainSpring, 0.08, record);
-  IdentifiedModel model;
-  ASSERT_TRUE(StartFromAmbientModes(problem, IdentificationOptions(), FitModes,
-                                    &model));
-  EXPECT_LT(model.parameters.head(3).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT(LargestErrorOfStart(problem), 0.03);
 }
 
 }  // namespace

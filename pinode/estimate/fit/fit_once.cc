@@ -31,11 +31,27 @@ bool FitsProblem(const IdentificationProblem& problem,
   return true;
 }
 
-// The fit of an ambient record's modes, with which its own fit begins.
-void FitModes(const IdentificationProblem& modes_alone,
-              const IdentificationOptions& options, FitSummary* summary,
-              IdentifiedModel* model) {
-  FitOnce(modes_alone, options, nullptr, summary, model);
+// Fits the modes of ambient records first, where the fit can begin only there.
+bool StartFromAmbientModes(const IdentificationProblem& problem,
+                           const IdentificationOptions& options,
+                           IdentifiedModel* start) {
+  IdentificationProblem modes_alone;
+  if (!ModesOfAmbientRecord(problem, options.num_threads, &modes_alone)) {
+    return false;
+  }
+  IdentificationOptions quick = options;
+  quick.num_starts = 1;
+  quick.callback = nullptr;
+  FitSummary summary;
+  IdentifiedModel found;
+  FitOnce(modes_alone, quick, nullptr, &summary, &found);
+  if (summary.termination == Termination::kFailure ||
+      summary.termination == Termination::kInterrupted ||
+      !found.parameters.allFinite()) {
+    return false;
+  }
+  start->parameters = found.parameters;
+  return true;
 }
 
 }  // namespace
@@ -55,8 +71,7 @@ void FitOnce(const IdentificationProblem& problem,
     return;
   }
   IdentifiedModel start;
-  if (initial == nullptr &&
-      StartFromAmbientModes(problem, options, FitModes, &start)) {
+  if (initial == nullptr && StartFromAmbientModes(problem, options, &start)) {
     initial = &start;
   }
   const std::unique_ptr<Fit> fit =
