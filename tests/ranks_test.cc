@@ -11,7 +11,6 @@
 #include "pinode/discover/regression_problem.h"
 #include "pinode/estimate/certainty/profile.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/ranks_testing.h"

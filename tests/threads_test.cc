@@ -18,7 +18,6 @@
 #include "pinode/dynamics/library_function.h"
 #include "pinode/estimate/certainty/assessment.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/identify_testing.h"
 

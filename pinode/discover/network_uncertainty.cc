@@ -6,7 +6,7 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/objective/objective.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/network/network.h"
 #include "pinode/problem/parameter_layout.h"

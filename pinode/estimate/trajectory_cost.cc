@@ -5,7 +5,7 @@
 
 #include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/estimate/objective/prior_cost.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/condensed_cost.h"
 #include "pinode/estimate/start/initial_states.h"

@@ -28,7 +28,7 @@
 
 #include "pinode/base/logging.h"
 #include "pinode/estimate/objective/objective.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/solver/condensed_cost.h"
 #include "pinode/estimate/start/initial_states.h"

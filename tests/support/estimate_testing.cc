@@ -7,8 +7,8 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/score.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/integrate/free_run.h"
 #include "tests/support/dynamics_testing.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/integrate/free_run.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"

@@ -10,8 +10,8 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/input_noise.h"
 #include "pinode/estimate/certainty/input_noise_filter.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/residual_statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/initial_states.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/problem/assumed_noise.h"
 #include "tests/support/estimate_testing.h"
 

@@ -11,7 +11,6 @@
 
 #include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/residual_statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "tests/support/estimate_testing.h"
 #include "tests/support/figure_testing.h"
 

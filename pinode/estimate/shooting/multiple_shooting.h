@@ -10,7 +10,6 @@
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
 #include "pinode/estimate/shooting/segment_sweep.h"
-#include "pinode/estimate/shooting/shooting_point.h"
 #include "pinode/estimate/shooting/shooting_record.h"
 #include "pinode/estimate/shooting/shooting_state.h"
 #include "pinode/estimate/shooting/start_search.h"
@@ -45,9 +44,8 @@ namespace pinode {
 // The cost of an evaluation grows linearly with the record's length.
 //
 // This class propagates segments. Functions beside it read the results:
-// segment_cut.h (cuts at given trajectories), trajectory_outline.h
-// (trajectories), residual_statistics.h (residuals and their products) and
-// score.h (errors of free runs).
+// trajectory_outline.h (trajectories), residual_statistics.h (residuals and
+// their products) and score.h (errors of free runs).
 class MultipleShooting final : public CostPart {
  public:
   struct Options {
@@ -179,6 +177,20 @@ class MultipleShooting final : public CostPart {
   ShootingState state_;
   LookAhead look_ahead_;
 };
+
+// Cuts every training record into segments of about `samples` samples; 0: one
+// segment a record. Starts are taken from the trajectories given (states at
+// every sample of each record, num_states x samples).
+void SetSegments(Eigen::Index samples, const std::vector<Matrix>& trajectories,
+                 MultipleShooting* shooting);
+// The same with all starts at rest.
+void SetSegmentsAtRest(Eigen::Index samples, MultipleShooting* shooting);
+
+// True if every record is in one piece.
+bool IsSingleShooting(const MultipleShooting& shooting);
+// True if any record has a start to be found, be it that of a later segment
+// alone.
+bool HasFreeStarts(const MultipleShooting& shooting);
 
 }  // namespace pinode
 

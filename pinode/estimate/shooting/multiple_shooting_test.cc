@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "pinode/estimate/shooting/residual_statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/problem/sensor.h"
 #include "tests/support/estimate_testing.h"

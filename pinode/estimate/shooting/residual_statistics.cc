@@ -51,9 +51,7 @@ bool MovedResiduals(const MultipleShooting& shooting, const Vector& free,
                     const Vector& step, std::vector<Matrix>* residuals) {
   const SegmentSweep& sweep = shooting.sweep();
   ShootingPoint point;
-  if (!PreparePoint(sweep.problem(), sweep.layout(), free, &point)) {
-    return false;
-  }
+  if (!sweep.PreparePoint(free, &point)) return false;
   residuals->resize(shooting.train_records().size());
   for (size_t r = 0; r < residuals->size(); ++r) {
     if (!sweep.MovedResiduals(point, r, shooting.starts()[r], step,
@@ -69,9 +67,7 @@ bool AddScores(const MultipleShooting& shooting, const Vector& free,
                double* count) {
   const SegmentSweep& sweep = shooting.sweep();
   ShootingPoint point;
-  if (!PreparePoint(sweep.problem(), sweep.layout(), free, &point)) {
-    return false;
-  }
+  if (!sweep.PreparePoint(free, &point)) return false;
   for (size_t r = 0; r < shooting.train_records().size(); ++r) {
     if (!sweep.AddScores(point, r, shooting.starts()[r], lengths[r], products,
                          count)) {

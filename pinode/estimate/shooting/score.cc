@@ -9,7 +9,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/problem/record_grid.h"
 #include "pinode/problem/sensor.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "pinode/base/parallel_for.h"
 #include "pinode/estimate/shooting/residual_rows.h"
@@ -62,6 +63,17 @@ SegmentColumns SegmentSweep::ColumnsOf(const ShootingRecord& record,
     return with_parameters ? SegmentColumns::kAll : SegmentColumns::kStart;
   }
   return with_parameters ? SegmentColumns::kParameters : SegmentColumns::kNone;
+}
+
+bool SegmentSweep::PreparePoint(const Vector& free,
+                                ShootingPoint* point) const {
+  point->parameters = layout_.InitialValues();
+  layout_.SetFree(free, &point->parameters);
+  std::string error;
+  return point->parameters.allFinite() &&
+         problem_.dynamics->Prepare(
+             point->parameters.head(layout_.num_dynamics()), &point->prepared,
+             &error);
 }
 
 std::vector<SegmentSweep::Task> SegmentSweep::SegmentsOf(

@@ -11,9 +11,9 @@
 
 #include "pinode/base/communicator.h"
 #include "pinode/base/types.h"
+#include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/shooting/linear_record.h"
 #include "pinode/estimate/shooting/ordered_sums.h"
-#include "pinode/estimate/shooting/shooting_point.h"
 #include "pinode/estimate/shooting/shooting_record.h"
 #include "pinode/integrate/parallel_segment.h"
 #include "pinode/integrate/segment.h"
@@ -22,6 +22,13 @@
 #include "pinode/problem/robust_loss.h"
 
 namespace pinode {
+
+// The point at which segments are propagated: values of the parameters, and the
+// dynamics prepared for them.
+struct ShootingPoint {
+  StructuralDynamics::Prepared prepared;
+  Vector parameters;  // all of the problem's
+};
 
 // Propagates segments from given starts, weighs their residuals and sums their
 // normal equations: on several threads, and on the ranks of a communicator.
@@ -46,6 +53,10 @@ class SegmentSweep {
                const Records& records);
   ~SegmentSweep();
 
+  // Fills *point from the free parameters. False where a parameter is not
+  // finite or the dynamics cannot be prepared for these values.
+  [[nodiscard]] bool PreparePoint(const Vector& free,
+                                  ShootingPoint* point) const;
   // The point at which segments are propagated from now on; it must outlive
   // what follows.
   void SetPoint(const ShootingPoint* point) { point_ = point; }

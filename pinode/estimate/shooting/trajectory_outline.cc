@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/integrate/free_run.h"
 
 namespace pinode {
@@ -19,7 +18,7 @@ class PieceRunner {
       : shooting_(shooting), nothing_(*problem().dynamics, {}) {}
 
   [[nodiscard]] bool SetPoint(const Vector& free) {
-    return PreparePoint(problem(), shooting_.sweep().layout(), free, &point_);
+    return shooting_.sweep().PreparePoint(free, &point_);
   }
 
   // Runs from each of `samples` to the next; `take` gets the first sample of

@@ -7,7 +7,6 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
-#include "pinode/estimate/shooting/segment_cut.h"
 #include "pinode/estimate/start/initial_states.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"

@@ -7,7 +7,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/power_of_two.h"
 #include "pinode/base/statistics.h"
-#include "pinode/estimate/shooting/segment_cut.h"
+#include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 
 namespace pinode {
