@@ -7,8 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "pinode/estimate/objective/bending.h"
-#include "pinode/estimate/solver/bent_cost.h"
+#include "pinode/estimate/objective/bent_cost.h"
 #include "pinode/estimate/solver/bounded_cost.h"
 #include "pinode/estimate/solver/condensed_cost.h"
 #include "pinode/estimate/solver/optimality.h"

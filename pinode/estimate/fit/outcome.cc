@@ -18,7 +18,7 @@
 #include "pinode/estimate/certainty/null_space.h"
 #include "pinode/estimate/certainty/prediction_band.h"
 #include "pinode/estimate/fit/modal_outcome.h"
-#include "pinode/estimate/objective/bending.h"
+#include "pinode/estimate/objective/bent_cost.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "pinode/estimate/start/free_run_start.h"

@@ -1,4 +1,4 @@
-#include "pinode/estimate/solver/bent_cost.h"
+#include "pinode/estimate/objective/bent_cost.h"
 
 #include <Eigen/LU>
 #include <cmath>

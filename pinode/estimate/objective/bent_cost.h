@@ -1,14 +1,18 @@
-// Steps that bend with their valley.
+// Steps that bend with their valley, and the conditions for them.
 
-#ifndef PINODE_ESTIMATE_SOLVER_BENT_COST_H_
-#define PINODE_ESTIMATE_SOLVER_BENT_COST_H_
+#ifndef PINODE_ESTIMATE_OBJECTIVE_BENT_COST_H_
+#define PINODE_ESTIMATE_OBJECTIVE_BENT_COST_H_
 
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/estimate/objective/objective.h"
+#include "pinode/estimate/solver/bounded_cost.h"
 #include "pinode/estimate/solver/cost_part.h"
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 
@@ -70,6 +74,20 @@ class BentCost final : public CostPart {
   Place trial_;
 };
 
+// True if there are networks of the state. Networks of time alone do not count:
+// their hidden units hardly move, and such a fit is nearly linear.
+bool HasNetworksOfState(const IdentificationProblem& problem,
+                        const ParameterLayout& layout);
+
+// True if steps bend, as valleys of networks do. With bounds Ceres searches
+// along straight lines.
+bool BendsSteps(const IdentificationProblem& problem,
+                const ParameterLayout& layout);
+
+// Returns the bend of the trajectories, whose rows are kept, by the unknowns of
+// `bounded`. Both must outlive it.
+BentCost::Bend BendOf(Objective* objective, const BoundedCost* bounded);
+
 }  // namespace pinode
 
-#endif  // PINODE_ESTIMATE_SOLVER_BENT_COST_H_
+#endif  // PINODE_ESTIMATE_OBJECTIVE_BENT_COST_H_

@@ -1,4 +1,4 @@
-#include "pinode/estimate/solver/bent_cost.h"
+#include "pinode/estimate/objective/bent_cost.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/logging.h"
+#include "pinode/dynamics/network_term.h"
 
 namespace pinode {
 namespace {
@@ -82,6 +83,34 @@ bool BentCost::Linearize(const Vector& flat, CondensedSystem* system) {
   centers_.push_back(trial_);
   hessian_ = system->hessian;
   return true;
+}
+
+bool HasNetworksOfState(const IdentificationProblem& problem,
+                        const ParameterLayout& layout) {
+  const auto& networks = problem.dynamics->networks();
+  return layout.HasNetworkDecay() &&
+         !std::all_of(networks.begin(), networks.end(), IsForceOfTime);
+}
+
+bool BendsSteps(const IdentificationProblem& problem,
+                const ParameterLayout& layout) {
+  for (int j = 0; j < layout.num_free(); ++j) {
+    const Parameter& parameter = layout.free_parameter(j);
+    if (std::isfinite(parameter.lower) || std::isfinite(parameter.upper)) {
+      return false;
+    }
+  }
+  return HasNetworksOfState(problem, layout);
+}
+
+BentCost::Bend BendOf(Objective* objective, const BoundedCost* bounded) {
+  return [objective, bounded](const Vector& step, Vector* projected) {
+    if (!objective->shooting().BendAlong(bounded->Unscaled(step), projected)) {
+      return false;
+    }
+    *projected = bounded->Unscaled(*projected);
+    return true;
+  };
 }
 
 }  // namespace pinode
