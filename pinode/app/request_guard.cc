@@ -12,6 +12,7 @@
 namespace pinode {
 namespace {
 
+// Random bytes of a token, and characters of a file's name that are kept.
 constexpr size_t kTokenBytes = 16;
 constexpr size_t kLongestName = 120;
 

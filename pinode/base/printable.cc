@@ -8,6 +8,8 @@
 namespace pinode {
 namespace {
 
+// Characters of a word and of a line that a message repeats. Longer ones lose
+// their middle.
 constexpr size_t kLongestWord = 300;
 constexpr size_t kLongestLine = 4000;
 

@@ -9,6 +9,7 @@
 namespace pinode {
 namespace {
 
+// Lags that cost less one by one than all of them together by an FFT.
 constexpr Eigen::Index kLagsOneByOne = 64;
 
 // Returns values.head(n - k).dot(values.tail(n - k)) for the lags k = 0 ...

@@ -1,7 +1,6 @@
 #include "pinode/dynamics/elements.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "pinode/base/constants.h"
@@ -12,7 +11,8 @@
 namespace pinode {
 namespace {
 
-constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
+// Marks a parameter without a default: the case must give it.
+constexpr double kRequired = kNaN;
 
 // |x|^p with a derivative that stays finite at x = 0, where Jets would
 // compute 0 * inf. The tiny shift is far below anything measurable.

@@ -39,6 +39,7 @@ struct RingDown {
 // model whose residual is used.
 RingDown RingDownHankel(const Matrix& samples, int block_rows, int order);
 
+// Series of noise that show the scatter of a single decay.
 constexpr int kNoiseSeries = 120;
 
 // Returns the number of samples up to the last stretch with at least twice the

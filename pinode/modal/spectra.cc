@@ -13,6 +13,7 @@
 namespace pinode {
 namespace {
 
+// Limits of a segment in samples, and segments to average over.
 constexpr Eigen::Index kSmallestSegment = 256;
 constexpr Eigen::Index kLargestSegment = 8192;
 constexpr Eigen::Index kSegmentsWanted = 32;

@@ -10,6 +10,7 @@
 
 namespace pinode {
 
+// Slope of leaky_relu below zero.
 inline constexpr double kLeakyReluSlope = 0.01;
 
 // Returns the name as in the case file and the network file: tanh sigmoid relu

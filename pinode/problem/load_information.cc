@@ -6,6 +6,8 @@
 namespace pinode {
 namespace {
 
+// Lines that a product takes together, and pairs of the two knots beside a
+// line.
 constexpr Eigen::Index kLinesAtATime = 32;
 constexpr int kPairs = 3;
 

@@ -10,6 +10,7 @@
 namespace pinode {
 namespace {
 
+// Rows that stay legible.
 constexpr int kMaxParameters = 40;
 
 // Computes the change of a parameter and its 95 % limits in per cent; false if

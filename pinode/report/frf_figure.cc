@@ -11,6 +11,7 @@
 namespace pinode {
 namespace {
 
+// Panels of a figure that stay legible, and lines that a curve needs.
 constexpr int kMostFrfPanels = 6;
 constexpr Eigen::Index kMostFrfLines = 900;
 

@@ -8,6 +8,7 @@
 namespace pinode {
 namespace {
 
+// Samples of a loop about its peak. More would cover one another.
 constexpr int kMaxLoopSamples = 2000;
 
 // False for springs, whose force-deformation loop is complete.

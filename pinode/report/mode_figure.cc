@@ -8,6 +8,7 @@
 namespace pinode {
 namespace {
 
+// Panels that stay legible.
 constexpr int kMaxModes = 6;
 
 // Returns the shape with a largest entry of one, with the sign that agrees with

@@ -12,6 +12,7 @@
 namespace pinode {
 namespace {
 
+// Curves of singular values, and poles of a diagram that keep the page small.
 constexpr int kSingularValues = 3;
 constexpr size_t kMostPoles = 2500;
 

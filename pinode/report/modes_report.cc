@@ -23,6 +23,7 @@ using Align = TextTable::Align;
 
 #include "pinode/report/modes_template.inc"
 
+// Shapes that are drawn, and modes of a table that fits the page.
 constexpr int kMostShapes = 16;
 constexpr size_t kLargestMacTable = 20;
 

@@ -6,6 +6,7 @@
 namespace pinode {
 namespace {
 
+// Lines that a curve of this width needs.
 constexpr Eigen::Index kMostLines = 600;
 
 // Returns a spectrum; neighbouring lines are drawn as the highest of them.

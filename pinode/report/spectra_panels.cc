@@ -9,6 +9,7 @@
 namespace pinode {
 namespace {
 
+// Panels that stay legible.
 constexpr int kMostPanels = 6;
 
 }  // namespace

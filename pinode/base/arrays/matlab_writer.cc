@@ -16,6 +16,7 @@
 namespace pinode {
 namespace {
 
+// Characters of a name that MATLAB distinguishes (namelengthmax).
 constexpr size_t kLongestMatlabName = 63;
 
 // Returns the content of a char array of MATLAB. Bytes that are not UTF-8

@@ -6,6 +6,7 @@
 namespace pinode {
 namespace {
 
+// The picture has the lowest modes only.
 constexpr int kNumDrawnModes = 8;
 
 }  // namespace

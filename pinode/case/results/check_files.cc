@@ -2,12 +2,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/case/text/json_table.h"
@@ -19,7 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+// JSON has null for a number that is not known.
+constexpr double kUnknown = kNaN;
 
 double ToHz(const Case& c) {
   return c.problem.description.HzPerModelFrequency();

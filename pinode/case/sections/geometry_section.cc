@@ -16,6 +16,7 @@
 namespace pinode {
 namespace {
 
+// Among more names the search for a similar one would take too long.
 constexpr size_t kMostHintedNames = 5000;
 
 std::string HintOf(const std::string& name,

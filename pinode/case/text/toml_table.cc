@@ -17,6 +17,7 @@ const TomlValue& EmptyTable() {
   return empty;
 }
 
+// Mistakes that are kept for one message.
 constexpr size_t kMostMistakes = 100;
 
 std::mutex& MistakesMutex() {

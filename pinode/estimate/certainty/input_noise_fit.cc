@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/certainty/input_noise.h"
@@ -18,6 +18,7 @@
 namespace pinode {
 namespace {
 
+// Iterations after which a fit counts as not converged.
 constexpr int kMaxIterations = 50;
 
 // Limits of convergence: the step in standard deviations of the parameters, and
@@ -31,8 +32,6 @@ constexpr double kStartScales = 100.0;
 
 // Smallest noise estimate as a share of the channel's residual.
 constexpr double kLeastNoise = 1e-6;
-
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 // A point of the iteration: parameters and errors of the excitation.
 struct Point {
@@ -203,7 +202,7 @@ void Fitter::AddRecord(size_t t, const Vector& parameters,
     for (int c = 0; c < nc; ++c) {
       const bool missing =
           residuals(c, i) == 0.0 && jacobian.row(i * nc + c).isZero(0.0);
-      noise(c, i) = missing ? kMissing : sigmas_[t][c];
+      noise(c, i) = missing ? kNaN : sigmas_[t][c];
       if (!missing) equations->num_residuals += 1.0;
     }
   }

@@ -8,6 +8,8 @@
 namespace pinode {
 namespace {
 
+// Groups that are added in one order, so that one, two and four ranks find the
+// same digits.
 constexpr int kGroups = 4;
 
 // Adds the second of each pair to the first, then of each pair of pairs.

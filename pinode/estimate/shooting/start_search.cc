@@ -7,6 +7,7 @@
 namespace pinode {
 namespace {
 
+// Damping of the steps, relative to the diagonal, at which a search gives up.
 constexpr double kMostDamping = 1e8;
 
 }  // namespace

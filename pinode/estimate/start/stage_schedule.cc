@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pinode/base/constants.h"
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
@@ -20,7 +21,7 @@ Eigen::Index FirstSegmentSamples(const IdentificationProblem& problem,
   Eigen::Index samples = tuning.least_first_samples;
   const std::vector<double> frequencies = ModelFrequencies(problem);
   if (!frequencies.empty()) {
-    constexpr double kQuarterTurn = 1.5707963267948966;
+    constexpr double kQuarterTurn = 0.25 * kTwoPi;
     samples = static_cast<Eigen::Index>(
         std::min(1e6, std::ceil(kQuarterTurn / frequencies.front() / step)));
   }

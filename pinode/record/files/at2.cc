@@ -14,6 +14,7 @@
 namespace pinode {
 namespace {
 
+// Lines before the samples. With more, the text is of another format.
 constexpr int kMostTitleLines = 40;
 
 std::string Upper(std::string_view text) {

@@ -12,6 +12,7 @@
 namespace pinode {
 namespace {
 
+// Characters of a name that decks allow.
 constexpr size_t kLongestDeckName = 80;
 
 using Factors = std::pair<double, double>;  // of stiffness and mass

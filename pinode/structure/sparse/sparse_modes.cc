@@ -19,6 +19,7 @@
 namespace pinode {
 namespace {
 
+// Relative rounding of one operation.
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // Required accuracy of each mode.

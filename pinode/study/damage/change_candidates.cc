@@ -18,6 +18,7 @@
 namespace pinode {
 namespace {
 
+// Prior deviation of a change, in the candidate's own unit.
 constexpr double kPriorDeviation = 1.0;
 
 using SpringPlace = DamageSearch::SpringPlace;

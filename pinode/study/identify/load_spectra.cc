@@ -13,6 +13,7 @@
 namespace pinode {
 namespace {
 
+// Refinements of the spectra, each with a fit.
 constexpr int kMostRounds = 2;
 
 // By the record that is described worst; where no probability can be told from

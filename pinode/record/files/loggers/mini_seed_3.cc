@@ -11,6 +11,7 @@
 namespace pinode {
 namespace {
 
+// Bytes of the fixed header, and place of the checksum in it.
 constexpr size_t kHeaderSize = 40;
 constexpr size_t kChecksumPlace = 28;
 

@@ -31,6 +31,7 @@ constexpr uint32_t kDaqmxScaler = 0x1269;
 constexpr uint32_t kDaqmxDigital = 0x126A;
 constexpr uint32_t kDaqmxDigitalAsDescribed = 0x1369;
 
+// Places in a file are signed.
 constexpr uint64_t kMostBytes = std::numeric_limits<int64_t>::max();
 
 std::string TdmsText(std::string_view bytes) {

@@ -10,6 +10,7 @@
 namespace pinode {
 namespace {
 
+// Limits that real files stay far below. A file that exceeds one is damaged.
 constexpr int kMostScales = 64;
 constexpr int kMostCoefficients = 64;
 constexpr int kMostTableRows = 4096;
