@@ -66,13 +66,12 @@ bool HasFreeRuns(const MultipleShooting& shooting) {
 
 // The record from `start`, seen by ideal sensors. False where the run is not
 // finite, and where parameters or start are of another problem.
-bool RunFreely(const IdentificationProblem& problem,
+bool RunFreely(const StructuralDynamics& dynamics,
+               const ParameterLayout& layout,
                const IdentificationRecord& record,
                const std::vector<Observation>& sensors,
                const Vector& parameters, const Vector& start, Keep keep,
                int num_threads, Trajectory* trajectory) {
-  const StructuralDynamics& dynamics = *problem.dynamics;
-  const ParameterLayout layout(problem);
   StructuralDynamics::Prepared prepared;
   std::string error;
   return parameters.size() == layout.num_parameters() &&
@@ -103,8 +102,8 @@ std::vector<bool> ShowBySensors(const ParameterLayout& layout,
   return valid;
 }
 
-// Of the record what some of its sensors need to show a run, and nothing that
-// they measured. How it is integrated is not among it.
+// Returns the part of the record that some of its sensors need to show a run.
+// It has nothing that they measured, and not how the record is integrated.
 IdentificationRecord WithSensors(const IdentificationRecord& record,
                                  const std::vector<int>& channels) {
   IdentificationRecord result;
@@ -140,8 +139,9 @@ void ScoreRecord(const IdentificationProblem& problem, int record,
   Trajectory trajectory;
   const int nc = static_cast<int>(data.channels.size());
   const Eigen::Index samples = data.num_samples();
-  score->finite = RunFreely(problem, data, data.Observations(), parameters,
-                            start, keep, num_threads, &trajectory);
+  score->finite =
+      RunFreely(*problem.dynamics, layout, data, data.Observations(),
+                parameters, start, keep, num_threads, &trajectory);
   if (!score->finite) {
     ScoreDivergence(data, trajectory, score);
     return;
@@ -195,13 +195,14 @@ Matrix PredictChannels(const IdentificationProblem& problem, int record,
   const IdentificationRecord& whole =
       problem.records.at(static_cast<size_t>(record));
   const IdentificationRecord some = WithSensors(whole, channels);
+  const ParameterLayout layout(problem);
   Trajectory trajectory;
-  if (!RunFreely(problem, whole, some.Observations(), parameters, start,
-                 Keep::kChannels, num_threads, &trajectory)) {
+  if (!RunFreely(*problem.dynamics, layout, whole, some.Observations(),
+                 parameters, start, Keep::kChannels, num_threads,
+                 &trajectory)) {
     return Matrix();
   }
-  ShowBySensors(ParameterLayout(problem), parameters, some,
-                &trajectory.channels);
+  ShowBySensors(layout, parameters, some, &trajectory.channels);
   return std::move(trajectory.channels);
 }
 
