@@ -27,7 +27,14 @@ struct Parameter {
   double prior_sigma = std::numeric_limits<double>::infinity();
   // False: the value is known, and the fit does not change it.
   bool free = true;
+  // Name of another parameter that this one follows. Its value is `tie_factor`
+  // times the other's, both in the model's units. A free parameter follows
+  // nothing, so set `free` to false. Empty: not tied.
+  std::string tie = {};
+  double tie_factor = 1.0;
 
+  // True if the parameter follows another one.
+  bool IsTied() const { return !free && !tie.empty(); }
   // True if the prior has a finite standard deviation.
   bool HasPrior() const {
     return prior_sigma < std::numeric_limits<double>::infinity();

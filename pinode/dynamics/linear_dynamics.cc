@@ -235,9 +235,9 @@ void LinearDynamics::AddParameterTangents(const LinearSystem& system,
   scratch->velocity_map.noalias() = left.middleCols(n, n) * system.mass_inverse;
   scratch->product.noalias() = scratch->velocity_map * forces;
   for (int j = 0; j < num_free_changes(); ++j) {
-    Eigen::Map<Vector>(
-        result + left.rows() * free_changes_[static_cast<size_t>(j)].column,
-        left.rows()) -= scratch->product.col(j);
+    const MatrixChange& change = free_changes_[static_cast<size_t>(j)];
+    Eigen::Map<Vector>(result + left.rows() * change.column, left.rows()) -=
+        change.factor * scratch->product.col(j);
   }
 }
 
@@ -249,7 +249,8 @@ void LinearDynamics::AddRateDerivatives(
     const std::vector<int> rows = RowsInUse(matrix);
     const std::vector<int> columns = ColumnsInUse(matrix);
     const Matrix core = matrix(rows, columns);
-    const Matrix left = -system.mass_inverse(Eigen::all, rows) * core;
+    const Matrix left =
+        -change.factor * system.mass_inverse(Eigen::all, rows) * core;
     auto accelerations =
         (*derivatives)[static_cast<size_t>(change.column)].bottomRows(n);
     if (change.group->target != Target::kMass) {

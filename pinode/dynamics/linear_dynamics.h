@@ -55,6 +55,9 @@ struct MatrixChange {
   // Index of p in theta. From Term::MatrixChanges(): index in the term's block.
   int parameter = 0;
   int column = -1;  // tangent column; -1: p is fixed
+  // Derivative of p with respect to the parameter of that column. It differs
+  // from 1 if p is tied.
+  double factor = 1.0;
 };
 
 // Matrices of the linear part at one theta, each num_dofs x num_dofs unless

@@ -46,7 +46,8 @@ std::vector<std::string> SpannedTerms(const StructuralDynamics& dynamics,
   };
   std::vector<std::string> names;
   for (const GroupTerm& term : dynamics.groups()) {
-    if (!term.alpha.free || term.follows != GroupTerm::Follows::kNothing ||
+    if ((!term.alpha.free && !term.alpha.IsTied()) ||
+        term.follows != GroupTerm::Follows::kNothing ||
         term.group.target == MatrixGroup::Target::kMass) {
       continue;
     }
@@ -61,7 +62,8 @@ std::vector<std::string> SpannedTerms(const StructuralDynamics& dynamics,
     const Matrix matrix = term.outputs * term.features[0].Selector(n);
     for (const Parameter& parameter : term.parameters.parameters) {
       const bool velocity = parameter.name == term.name + ".c";
-      if (parameter.free && is_spanned(matrix, velocity)) {
+      if ((parameter.free || parameter.IsTied()) &&
+          is_spanned(matrix, velocity)) {
         names.push_back(parameter.name);
       }
     }

@@ -184,34 +184,78 @@ const std::vector<GroupTerm>& StructuralDynamics::groups() const {
   return static_cast<const GroupTerms&>(*terms_.front()).groups();
 }
 
+void StructuralDynamics::SetTies() {
+  std::vector<const ParameterBlock*> blocks;
+  for (const auto& term : terms_) blocks.push_back(&term->parameters());
+  ties_ = FindTies(blocks);
+  if (ties_.empty()) return;
+  Vector theta(num_parameters_);
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    theta.segment(offsets_[b].parameter, blocks[b]->size()) =
+        blocks[b]->Values();
+  }
+  ApplyTies(ties_, theta.data());
+  for (size_t b = 0; b < terms_.size(); ++b) {
+    terms_[b]->SetParameters(
+        theta.segment(offsets_[b].parameter, blocks[b]->size()));
+  }
+}
+
+void StructuralDynamics::SetTermColumns() {
+  tangent_columns_.clear();
+  term_columns_.clear();
+  std::vector<int> column_of(Index(num_parameters_), -1);
+  std::vector<int> place_of(Index(num_parameters_), -1);  // in term_columns_
+  int parameter = 0;
+  for (size_t t = 0; t < terms_.size(); ++t) {
+    offsets_[t].column = static_cast<int>(term_columns_.size());
+    for (const Parameter& p : terms_[t]->parameters().parameters) {
+      if (p.free) {
+        column_of[Index(parameter)] = num_tangent_columns();
+        tangent_columns_.push_back(parameter);
+      }
+      if (p.free || p.IsTied()) {
+        place_of[Index(parameter)] = static_cast<int>(term_columns_.size());
+        term_columns_.push_back({column_of[Index(parameter)], 1.0});
+      }
+      ++parameter;
+    }
+  }
+  for (const ParameterTie& tie : ties_) {
+    term_columns_[Index(place_of[Index(tie.parameter)])] = {
+        column_of[Index(tie.source)], tie.factor};
+  }
+}
+
 void StructuralDynamics::Layout() {
   offsets_.clear();
-  blocks_.clear();
-  tangent_columns_.clear();
   num_parameters_ = 0;
   num_internal_ = 0;
-  std::vector<MatrixChange> changes;
   for (const auto& term : terms_) {
-    const ParameterBlock& block = term->parameters();
     Offsets offsets;
     offsets.parameter = num_parameters_;
-    offsets.column = num_tangent_columns();
     offsets.place.num_dofs = num_dofs();
     offsets.place.first_internal = num_states();
-    for (MatrixChange change : term->MatrixChanges()) {
-      change.parameter += offsets.parameter;
-      if (change.column >= 0) change.column += offsets.column;
+    num_parameters_ += term->parameters().size();
+    num_internal_ += static_cast<int>(term->InternalNames().size());
+    offsets_.push_back(offsets);
+  }
+  SetTies();
+  SetTermColumns();
+  blocks_.clear();
+  std::vector<MatrixChange> changes;
+  for (size_t t = 0; t < terms_.size(); ++t) {
+    blocks_.push_back(terms_[t]->parameters());
+    for (MatrixChange change : terms_[t]->MatrixChanges()) {
+      change.parameter += offsets_[t].parameter;
+      if (change.column >= 0) {
+        const TermColumn& to =
+            term_columns_[Index(offsets_[t].column + change.column)];
+        change.column = to.column;
+        change.factor = to.factor;
+      }
       changes.push_back(change);
     }
-    for (int i = 0; i < block.size(); ++i) {
-      if (block.parameters[Index(i)].free) {
-        tangent_columns_.push_back(num_parameters_ + i);
-      }
-    }
-    num_parameters_ += block.size();
-    num_internal_ += static_cast<int>(term->InternalNames().size());
-    blocks_.push_back(block);
-    offsets_.push_back(offsets);
   }
   linear_.SetChanges(std::move(changes));
 }
@@ -303,7 +347,10 @@ void StructuralDynamics::SetParameters(const Vector& theta) {
 
 StructuralModel StructuralDynamics::CorrectedModel(const Vector& theta) const {
   CHECK_EQ(theta.size(), num_parameters_);
-  return linear_.ChangedModel(theta);
+  if (ties_.empty()) return linear_.ChangedModel(theta);
+  Vector tied = theta;
+  ApplyTies(ties_, tied.data());
+  return linear_.ChangedModel(tied);
 }
 
 StructuralModel StructuralDynamics::HeldModel(const Vector& theta) const {
@@ -318,11 +365,12 @@ bool StructuralDynamics::Prepare(const Vector& theta, Prepared* prepared,
     return false;
   }
   prepared->theta = theta;
+  ApplyTies(ties_, prepared->theta.data());
   prepared->terms.clear();
-  if (!linear_.Prepare(theta, &prepared->linear, error)) return false;
+  if (!linear_.Prepare(prepared->theta, &prepared->linear, error)) return false;
   for (size_t i = 0; i < terms_.size(); ++i) {
     prepared->terms.push_back(terms_[i]->Prepare(
-        prepared->linear, theta.data() + offsets_[i].parameter));
+        prepared->linear, prepared->theta.data() + offsets_[i].parameter));
   }
   return true;
 }
@@ -435,6 +483,10 @@ StructuralDynamics::TangentScratch StructuralDynamics::MakeTangentScratch(
     scratch.terms.push_back(
         terms_[i]->MakeTangentScratch(offsets_[i].place, rows));
   }
+  if (!ties_.empty()) {
+    scratch.by_terms =
+        Matrix::Zero(rows, static_cast<Eigen::Index>(term_columns_.size()));
+  }
   return scratch;
 }
 
@@ -447,12 +499,23 @@ void StructuralDynamics::AddParameterTangents(
     linear_.AddParameterTangents(prepared.linear, points[s]->change_forces,
                                  *lefts[s], &scratch->linear, result);
   }
+  // Terms do not know of ties: their columns are collected, then added to those
+  // of the sources.
+  const bool tied = scratch->by_terms.size() > 0;
+  if (tied) scratch->by_terms.setZero();
+  double* by_terms = tied ? scratch->by_terms.data() : result;
   const TermLinearization* kept[Term::kMostStages];
   for (size_t i = 0; i < terms_.size(); ++i) {
     for (int s = 0; s < num_points; ++s) kept[s] = points[s]->terms[i].get();
     terms_[i]->AddParameterTangents(
         offsets_[i].place, *prepared.terms[i], kept, lefts, num_points,
-        scratch->terms[i].get(), result + scratch->rows * offsets_[i].column);
+        scratch->terms[i].get(), by_terms + scratch->rows * offsets_[i].column);
+  }
+  for (size_t c = 0; tied && c < term_columns_.size(); ++c) {
+    const TermColumn& to = term_columns_[c];
+    if (to.column < 0) continue;
+    Eigen::Map<Vector>(result + scratch->rows * to.column, scratch->rows) +=
+        to.factor * scratch->by_terms.col(static_cast<Eigen::Index>(c));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pinode/base/parameter_block.h"
+#include "pinode/base/parameter_tie.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/force_scale_term.h"
 #include "pinode/dynamics/group_curve.h"
@@ -179,6 +180,10 @@ class StructuralDynamics {
   Vector Parameters() const;
   void SetParameters(const Vector& theta);
 
+  // Tied parameters, by indices in theta. Prepare() and SetParameters() set
+  // their values from those of their sources, whatever theta has there.
+  const std::vector<ParameterTie>& ties() const { return ties_; }
+
   // Indices in theta of the free parameters. Derivatives with respect to
   // parameters have one column, a tangent column, for each of them.
   const std::vector<int>& tangent_columns() const { return tangent_columns_; }
@@ -234,6 +239,8 @@ class StructuralDynamics {
     int rows = 0;
     LinearDynamics::TangentScratch linear;
     std::vector<std::unique_ptr<TermTangentScratch>> terms;
+    // Columns of the terms if parameters are tied, rows x all their columns.
+    Matrix by_terms;
   };
   // Allocates working memory for `rows` rows.
   TangentScratch MakeTangentScratch(int rows) const;
@@ -260,11 +267,18 @@ class StructuralDynamics {
   StructuralModel HeldModel(const Vector& theta) const;
 
  private:
-  // First parameter, tangent column and internal state of a term.
+  // First parameter, tangent column and internal state of a term. Its columns
+  // count those of tied parameters too if there are any.
   struct Offsets {
     int parameter = 0;
     int column = 0;
     TermPlace place;
+  };
+  // Tangent column to which a term's column is added times `factor`; -1: none,
+  // because the source of a tie is fixed.
+  struct TermColumn {
+    int column = -1;
+    double factor = 1.0;
   };
 
   static size_t Index(int i) { return static_cast<size_t>(i); }
@@ -274,6 +288,10 @@ class StructuralDynamics {
   TermRange<Description> Range(TermKind kind) const;
   // Recomputes blocks, offsets and changes of the matrices.
   void Layout();
+  // Finds the ties and sets the values of tied parameters.
+  void SetTies();
+  // Fills term_columns_.
+  void SetTermColumns();
   template <typename T>
   TermPoint<T> PointOf(int term, double time, const double* input,
                        const T* state, const T* theta) const;
@@ -293,6 +311,8 @@ class StructuralDynamics {
   std::vector<Offsets> offsets_;              // of each term
   std::vector<ParameterBlock> blocks_;        // of each term
   std::vector<int> tangent_columns_;
+  std::vector<ParameterTie> ties_;
+  std::vector<TermColumn> term_columns_;
   int num_internal_ = 0;
   int num_parameters_ = 0;
 };

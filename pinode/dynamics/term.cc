@@ -8,7 +8,7 @@ std::vector<int> TangentColumns(const ParameterBlock& block) {
   std::vector<int> columns;
   int next = 0;
   for (const Parameter& parameter : block.parameters) {
-    columns.push_back(parameter.free ? next++ : -1);
+    columns.push_back(parameter.free || parameter.IsTied() ? next++ : -1);
   }
   return columns;
 }
@@ -16,7 +16,9 @@ std::vector<int> TangentColumns(const ParameterBlock& block) {
 int NumFree(const ParameterBlock& block) {
   return static_cast<int>(
       std::count_if(block.parameters.begin(), block.parameters.end(),
-                    [](const Parameter& parameter) { return parameter.free; }));
+                    [](const Parameter& parameter) {
+                      return parameter.free || parameter.IsTied();
+                    }));
 }
 
 }  // namespace pinode

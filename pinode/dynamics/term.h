@@ -257,9 +257,10 @@ class TermRange {
 };
 
 // Returns the tangent column of each parameter within its term, or -1 for a
-// fixed parameter. One entry per parameter.
+// fixed parameter. One entry per parameter. Tied parameters have columns within
+// their term: StructuralDynamics adds them to those of their sources.
 std::vector<int> TangentColumns(const ParameterBlock& block);
-// Returns the number of free parameters, that is, of tangent columns.
+// Returns the number of tangent columns within the term.
 int NumFree(const ParameterBlock& block);
 
 }  // namespace pinode

@@ -62,12 +62,19 @@ Matrix StackRows(const std::vector<Matrix>& derivatives,
 
 bool ExponentialStep::Suits(const StructuralDynamics& dynamics) {
   const size_t linear = dynamics.groups().empty() ? 0 : 1;
+  // A linear part and laws that share an unknown are not stepped apart.
+  const int num_groups = static_cast<int>(dynamics.groups().size());
+  const bool shares = std::any_of(
+      dynamics.ties().begin(), dynamics.ties().end(),
+      [num_groups](const ParameterTie& tie) {
+        return (tie.parameter < num_groups) != (tie.source < num_groups);
+      });
   const bool constant =
       std::all_of(dynamics.groups().begin(), dynamics.groups().end(),
                   [](const GroupTerm& group) {
                     return group.follows == GroupTerm::Follows::kNothing;
                   });
-  return constant && dynamics.prescribed().empty() &&
+  return constant && !shares && dynamics.prescribed().empty() &&
          !dynamics.laws().empty() &&
          static_cast<size_t>(dynamics.num_terms()) ==
              linear + dynamics.laws().size();

@@ -49,6 +49,7 @@ bool PropagateWithJets(const StructuralDynamics& dynamics,
         theta[dynamics.tangent_columns()[column - by_start]].v[k] = 1.0;
       }
     }
+    ApplyTies(dynamics.ties(), theta.data());
     dynamics.Prescribe(grid.AtSample(first), state.data());
     for (Eigen::Index i = first; i <= last; ++i) {
       for (int k = 0; k < ns; ++k) {

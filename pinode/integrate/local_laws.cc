@@ -17,6 +17,13 @@ LocalLaws::LocalLaws(const StructuralDynamics& dynamics) : dynamics_(dynamics) {
   for (size_t j = 0; j < columns.size(); ++j) {
     column_of_parameter[columns[j]] = static_cast<int>(j);
   }
+  std::map<int, double> factor_of_parameter;
+  for (const ParameterTie& tie : dynamics.ties()) {
+    const auto source = column_of_parameter.find(tie.source);
+    if (source == column_of_parameter.end()) continue;
+    column_of_parameter[tie.parameter] = source->second;
+    factor_of_parameter[tie.parameter] = tie.factor;
+  }
   int first_column = dynamics.num_tangent_columns();
   for (size_t l = 0; l < dynamics.laws().size(); ++l) {
     const LawTerm& term = dynamics.laws()[l];
@@ -29,6 +36,9 @@ LocalLaws::LocalLaws(const StructuralDynamics& dynamics) : dynamics_(dynamics) {
       const auto found = column_of_parameter.find(place.first_parameter + p);
       const bool is_free = found != column_of_parameter.end();
       place.parameter_columns.push_back(is_free ? found->second : -1);
+      const auto tied = factor_of_parameter.find(place.first_parameter + p);
+      place.parameter_factors.push_back(
+          tied == factor_of_parameter.end() ? 1.0 : tied->second);
       if (is_free) first_column = std::min(first_column, found->second);
     }
     num_internal_ += term.law->num_internal();
@@ -140,8 +150,11 @@ void LocalLaws::Linearize(const StructuralDynamics::Prepared& prepared,
       for (int i = 0; i < law.num_internal(); ++i) {
         (*slopes)(row, looked_at + place.first_internal + i) += *slope++;
       }
-      for (const int column : place.parameter_columns) {
-        if (column >= 0) (*slopes)(row, column) += *slope;
+      for (size_t p = 0; p < place.parameter_columns.size(); ++p) {
+        const int column = place.parameter_columns[p];
+        if (column >= 0) {
+          (*slopes)(row, column) += place.parameter_factors[p] * *slope;
+        }
         ++slope;
       }
     }

@@ -52,6 +52,7 @@ class LocalLaws {
     int first_output = 0;
     // Columns of `slopes`, one per parameter; -1 for a fixed parameter.
     std::vector<int> parameter_columns;
+    std::vector<double> parameter_factors;  // differ from 1 where tied
   };
 
   // Copies the law's results to their places.

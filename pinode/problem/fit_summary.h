@@ -89,7 +89,14 @@ struct ParameterEstimate {
   bool free = false;
   // True if the value has ended at a bound.
   bool at_bound = false;
+  // Name of the parameter that this one follows, see Parameter::tie, and the
+  // factor. Empty: not tied.
+  std::string tie = {};
+  double tie_factor = 1.0;
 };
+
+// Sets values and intervals of tied parameters from those of their sources.
+void FollowSources(std::vector<ParameterEstimate>* parameters);
 
 // Measured mode and its partners in the initial and the updated model. A mode
 // that the fit did not use has no partner: ModeMatch::mode is -1 and the rest

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "pinode/base/parameter_tie.h"
+
 namespace pinode {
 namespace {
 
@@ -217,6 +219,16 @@ std::vector<Observation> IdentificationRecord::Observations() const {
   return observations;
 }
 
+std::vector<const ParameterBlock*> IdentificationProblem::ParameterBlocks()
+    const {
+  std::vector<const ParameterBlock*> blocks;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    blocks.push_back(&block);
+  }
+  blocks.push_back(&sensors);
+  return blocks;
+}
+
 int IdentificationProblem::num_train_records() const {
   int count = 0;
   for (const IdentificationRecord& record : records) {
@@ -286,6 +298,11 @@ bool IdentificationProblem::IsValid(std::string* error) const {
     any_free = any_free || HasFree(block);
   }
   if (!sensors.IsValid(error)) return false;
+  std::string tied;
+  if (!AreTiesValid(ParameterBlocks(), &tied, error)) {
+    *error = "parameter '" + tied + "': " + *error;
+    return false;
+  }
   any_free = any_free || HasFree(sensors);
   if (!any_free) {
     *error =

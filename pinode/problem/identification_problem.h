@@ -106,6 +106,9 @@ struct IdentificationProblem {
   // Description for reports and result files. It does not affect the fit.
   ProblemDescription description;
 
+  // Blocks of all parameters, first those of the dynamics, then of sensors.
+  std::vector<const ParameterBlock*> ParameterBlocks() const;
+
   // Number of training records, without ambient ones.
   int num_train_records() const;
 
@@ -130,6 +133,7 @@ struct IdentificationProblem {
   // problems need not check sizes and numbers again:
   //
   // - the mass matrix can be inverted;
+  // - parameters are tied to others that may be;
   // - at least one parameter is free; without a training record it is that of
   //   a group;
   // - there is a training record with a fitted channel, a mode or an ambient

@@ -138,7 +138,15 @@ ParameterLayout::ParameterLayout(const IdentificationProblem& problem) {
         dynamics.block_offset(dynamics.group_curve_block(static_cast<int>(j))));
   }
   add(problem.sensors, -1);
+  ties_ = FindTies(problem.ParameterBlocks());
   num_free_dynamics_ = dynamics.num_tangent_columns();
+}
+
+ParameterLayout::Dependence ParameterLayout::DependenceOf(int index) const {
+  for (const ParameterTie& tie : ties_) {
+    if (tie.parameter == index) return {FreeIndex(tie.source), tie.factor};
+  }
+  return {FreeIndex(index), 1.0};
 }
 
 int ParameterLayout::FreeIndex(const std::string& name) const {
@@ -151,6 +159,7 @@ int ParameterLayout::FreeIndex(const std::string& name) const {
 Vector ParameterLayout::InitialValues() const {
   Vector values(num_parameters());
   for (int i = 0; i < num_parameters(); ++i) values[i] = parameter(i).value;
+  ApplyTies(ties_, values.data());
   return values;
 }
 
@@ -169,6 +178,7 @@ void ParameterLayout::SetFree(const Vector& free, Vector* all) const {
   for (int j = 0; j < num_free(); ++j) {
     (*all)[free_[static_cast<size_t>(j)]] = free[j];
   }
+  ApplyTies(ties_, all->data());
 }
 
 }  // namespace pinode

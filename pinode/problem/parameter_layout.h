@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/parameter_tie.h"
 #include "pinode/base/types.h"
 #include "pinode/problem/identification_problem.h"
 
@@ -95,14 +96,25 @@ class ParameterLayout {
   int FreeIndex(int index) const {
     return free_index_[static_cast<size_t>(index)];
   }
+  // Position in `free` that a parameter depends on, and the derivative. A free
+  // parameter depends on itself, a tied one on its source, a fixed one on none.
+  struct Dependence {
+    int free = -1;
+    double factor = 1.0;
+  };
+  Dependence DependenceOf(int index) const;
+  // Tied parameters, by indices in `parameters`.
+  const std::vector<ParameterTie>& ties() const { return ties_; }
   // Returns the position by name; -1 also if there is no such parameter.
   int FreeIndex(const std::string& name) const;
 
-  // Returns the initial values of all parameters, in their units.
+  // Returns the initial values of all parameters, in their units. Tied ones
+  // have the values that follow from their sources.
   Vector InitialValues() const;
   // Returns the free entries of `all` (num_parameters() entries).
   Vector Free(const Vector& all) const;
-  // Replaces the free entries of `all` by `free` (num_free() entries).
+  // Replaces the free entries of `all` by `free` (num_free() entries), and sets
+  // the tied ones.
   void SetFree(const Vector& free, Vector* all) const;
 
  private:
@@ -118,6 +130,7 @@ class ParameterLayout {
   std::vector<DecayRow> decay_rows_;
   std::vector<int> free_;
   std::vector<int> free_index_;
+  std::vector<ParameterTie> ties_;
   int num_dynamics_ = 0;
   int num_free_dynamics_ = 0;
 };

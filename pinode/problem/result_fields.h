@@ -80,7 +80,9 @@ struct FieldTable<ParameterEstimate> {
       MakeField("upper95", &ParameterEstimate::upper95),
       MakeField("half_width95", &ParameterEstimate::half_width95),
       MakeField("free", &ParameterEstimate::free),
-      MakeField("at_bound", &ParameterEstimate::at_bound));
+      MakeField("at_bound", &ParameterEstimate::at_bound),
+      MakeField("tie", &ParameterEstimate::tie),
+      MakeField("tie_factor", &ParameterEstimate::tie_factor));
 };
 
 template <>

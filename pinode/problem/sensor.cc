@@ -26,8 +26,9 @@ void CubicWeights(double u, double* weight, double* slope) {
 
 // Delays one channel; rows and derivative as in ApplySensors.
 void DelayChannel(int channel, int channels, double delay, double dt,
-                  int delay_column, Eigen::Ref<Vector> prediction,
-                  Eigen::Ref<Matrix> rows, std::vector<bool>* valid) {
+                  ParameterLayout::Dependence by_delay,
+                  Eigen::Ref<Vector> prediction, Eigen::Ref<Matrix> rows,
+                  std::vector<bool>* valid) {
   const Eigen::Index samples = prediction.size() / channels;
   Vector before(samples);
   Matrix rows_before(samples, rows.cols());
@@ -56,7 +57,9 @@ void DelayChannel(int channel, int channels, double delay, double dt,
       rows.row(row) += weight[a] * rows_before.row(first + a);
     }
     prediction[row] = value;
-    if (delay_column >= 0) rows(row, delay_column) = -rate / dt;
+    if (by_delay.free >= 0) {
+      rows(row, by_delay.free) -= by_delay.factor * rate / dt;
+    }
   }
 }
 
@@ -69,11 +72,14 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
   const int channels = static_cast<int>(record.channels.size());
   const Eigen::Index samples = prediction.size() / channels;
   const int first_free = static_cast<int>(rows.cols()) - layout.num_free();
-  // Column of a sensor parameter, -1 where fixed or not asked for.
+  // Column of a sensor parameter, or of the parameter that it is tied to; -1
+  // where fixed or not asked for.
   const auto column = [&](int sensor) {
-    if (sensor < 0 || !with_parameters) return -1;
-    const int free = layout.FreeIndex(layout.num_dynamics() + sensor);
-    return free < 0 ? -1 : first_free + free;
+    if (sensor < 0 || !with_parameters) return ParameterLayout::Dependence();
+    ParameterLayout::Dependence result =
+        layout.DependenceOf(layout.num_dynamics() + sensor);
+    if (result.free >= 0) result.free += first_free;
+    return result;
   };
   const auto value = [&](int sensor) {
     return parameters[layout.num_dynamics() + sensor];
@@ -86,21 +92,23 @@ void ApplySensors(const ParameterLayout& layout, const Vector& parameters,
     }
     if (channel.gain >= 0) {
       const double gain = value(channel.gain);
+      const ParameterLayout::Dependence by_gain = column(channel.gain);
       for (Eigen::Index i = 0; i < samples; ++i) {
         const Eigen::Index row = i * channels + c;
         rows.row(row) *= gain;
-        if (column(channel.gain) >= 0) {
-          rows(row, column(channel.gain)) = prediction[row];
+        if (by_gain.free >= 0) {
+          rows(row, by_gain.free) += by_gain.factor * prediction[row];
         }
         prediction[row] *= gain;
       }
     }
     if (channel.offset >= 0) {
+      const ParameterLayout::Dependence by_offset = column(channel.offset);
       for (Eigen::Index i = 0; i < samples; ++i) {
         const Eigen::Index row = i * channels + c;
         prediction[row] += value(channel.offset);
-        if (column(channel.offset) >= 0) {
-          rows(row, column(channel.offset)) = 1.0;
+        if (by_offset.free >= 0) {
+          rows(row, by_offset.free) += by_offset.factor;
         }
       }
     }

@@ -34,6 +34,12 @@ std::vector<int> HoldoutFirst(const IdentificationSummary& summary) {
 }
 
 std::string NoteOn(const ParameterEstimate& parameter) {
+  if (!parameter.tie.empty()) {
+    return (parameter.tie_factor == 1.0
+                ? "as "
+                : FormatNumber(parameter.tie_factor, 6) + " times ") +
+           parameter.tie;
+  }
   if (!parameter.free) return "fixed";
   if (parameter.at_bound) return "at bound";
   return std::isfinite(parameter.sigma) ? "" : "no interval";
@@ -126,7 +132,9 @@ TextTable MakeParameterTable(const ReportInput& input) {
                    {"", Align::kLeft}});
   for (const ParameterEstimate& parameter : input.summary->parameters) {
     const double half_width =
-        parameter.free ? 0.5 * (parameter.upper95 - parameter.lower95) : 0.0;
+        parameter.free || !parameter.tie.empty()
+            ? 0.5 * (parameter.upper95 - parameter.lower95)
+            : 0.0;
     const EstimateText text =
         FormatEstimate(parameter.initial, parameter.value, half_width);
     const std::string within =

@@ -97,11 +97,19 @@ class ModelCaseWriter {
         table.Erase(key);
       }
       table.Set("matrix", TomlValue::String(file));
+      if (!WriteMatrixMarket(Path(file), term.group.matrix, error_)) {
+        return false;
+      }
       SetCurve(term.group.name, table.Find("follows"));
       const double taken =
           term.follows == GroupTerm::Follows::kNothing ? term.alpha.value : 0.0;
-      table.Set("initial", TomlValue::Float(term.alpha.value - taken));
       table.Set("present", TomlValue::Float(term.present + taken));
+      if (term.alpha.IsTied()) {
+        const bool is_taken = term.follows == GroupTerm::Follows::kNothing;
+        if (IsTaken(term.alpha.tie) == is_taken) continue;
+        Untie(&table);
+      }
+      table.Set("initial", TomlValue::Float(term.alpha.value - taken));
       if (std::isfinite(term.alpha.lower)) {
         table.Set("lower", TomlValue::Float(term.alpha.lower - taken));
       }
@@ -111,9 +119,6 @@ class ModelCaseWriter {
       if (term.alpha.HasPrior()) {
         table.Set("prior_mean",
                   TomlValue::Float(term.alpha.prior_mean - taken));
-      }
-      if (!WriteMatrixMarket(Path(file), term.group.matrix, error_)) {
-        return false;
       }
     }
     return true;
@@ -130,10 +135,31 @@ class ModelCaseWriter {
     }
   }
 
+  // True if this is a group whose identified alpha the matrices contain. Its
+  // alpha begins at 0 again.
+  bool IsTaken(const std::string& name) const {
+    const auto& groups = dynamics_.groups();
+    return std::any_of(groups.begin(), groups.end(), [&](const GroupTerm& g) {
+      return g.group.name == name && g.follows == GroupTerm::Follows::kNothing;
+    });
+  }
+
+  // Fixes an unknown that is tied, because its source begins anew and it does
+  // not, or the other way round.
+  static void Untie(TomlValue* keys) {
+    keys->Erase("tie");
+    keys->Erase("tie_factor");
+    keys->Set("free", TomlValue::Boolean(false));
+  }
+
   // Writes the identified value, divided by `factor`, in a table of parameter
   // keys.
-  static void SetParameter(const Parameter& parameter, double factor,
-                           TomlValue* keys) {
+  void SetParameter(const Parameter& parameter, double factor,
+                    TomlValue* keys) const {
+    if (parameter.IsTied()) {
+      if (!IsTaken(parameter.tie)) return;
+      Untie(keys);
+    }
     keys->Set("initial", TomlValue::Float(parameter.value / factor));
     // The default would be the initial value, which is no longer that of the
     // prior.

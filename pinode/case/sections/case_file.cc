@@ -54,6 +54,34 @@ bool CheckNames(const IdentificationProblem& problem, CaseErrors* errors) {
   return add(problem.sensors);
 }
 
+// Checks what unknowns are tied to. In a case a fixed source is a mistake: the
+// tied unknown would be fixed too.
+bool CheckTies(const IdentificationProblem& problem, CaseErrors* errors) {
+  const std::vector<const ParameterBlock*> blocks = problem.ParameterBlocks();
+  const auto fail = [errors](const std::string& name, const std::string& what) {
+    return errors->Fail(errors->LineOfTie(name),
+                        "unknown '" + name + "': " + what);
+  };
+  std::string tied;
+  std::string error;
+  if (!AreTiesValid(blocks, &tied, &error)) return fail(tied, error);
+  std::vector<const Parameter*> all;
+  for (const ParameterBlock* block : blocks) {
+    for (const Parameter& parameter : block->parameters) {
+      all.push_back(&parameter);
+    }
+  }
+  for (const ParameterTie& tie : FindTies(blocks)) {
+    const Parameter& source = *all[static_cast<size_t>(tie.source)];
+    if (source.free) continue;
+    return fail(all[static_cast<size_t>(tie.parameter)]->name,
+                "it is tied to '" + source.name +
+                    "', which is fixed; free that one, or give this one the "
+                    "value itself");
+  }
+  return true;
+}
+
 // Adds a remark on the modes' model if other terms are not included in it.
 void RemarkOnModes(const IdentificationProblem& problem,
                    std::vector<std::string>* remarks) {
@@ -233,7 +261,9 @@ class CaseReader {
   }
 
   bool Check() {
-    if (!CheckNames(c_.problem, &errors_)) return false;
+    if (!CheckNames(c_.problem, &errors_) || !CheckTies(c_.problem, &errors_)) {
+      return false;
+    }
     if (simulation_) return planning_ || CheckNoise();
     if (model_may_stand_alone_ && c_.problem.records.empty() &&
         c_.problem.modal.empty() && c_.problem.ambient.empty()) {

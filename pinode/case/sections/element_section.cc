@@ -28,7 +28,8 @@ bool ReadElementParameter(const TomlTable& table, const TomlTable& parameters,
   parameter->value = info.default_value;
   const TomlValue* value = parameters.Find(info.name);
   const bool has_initial =
-      value != nullptr && (value->IsNumber() || value->Find("initial"));
+      value != nullptr &&
+      (value->IsNumber() || value->Find("initial") || value->Find("tie"));
   if (!has_initial && std::isnan(info.default_value)) {
     return (value != nullptr ? parameters : table)
         .Fail(value != nullptr ? info.name : "name",

@@ -75,7 +75,8 @@ int InputIndex(const std::vector<InputSpec>& inputs, const std::string& name) {
 bool SameScale(const Parameter& a, const Parameter& b) {
   return a.unit == b.unit && a.value == b.value && a.lower == b.lower &&
          a.upper == b.upper && a.prior_mean == b.prior_mean &&
-         a.prior_sigma == b.prior_sigma && a.free == b.free;
+         a.prior_sigma == b.prior_sigma && a.free == b.free && a.tie == b.tie &&
+         a.tie_factor == b.tie_factor;
 }
 
 class ForceScalesReader {

@@ -11,7 +11,7 @@ namespace {
 bool Same(const Parameter& a, const Parameter& b) {
   return a.value == b.value && a.lower == b.lower && a.upper == b.upper &&
          a.prior_mean == b.prior_mean && a.prior_sigma == b.prior_sigma &&
-         a.free == b.free;
+         a.free == b.free && a.tie == b.tie && a.tie_factor == b.tie_factor;
 }
 
 std::string VoltsPer(const std::string& unit) {

@@ -231,6 +231,11 @@ CaseTable UnknownKeys() {
           {"free", "true or false", "",
            "true; of `gain`, `offset` and `delay` false",
            "Whether the fit may change the value."},
+          {"tie", "text", "", "none",
+           "Name of another unknown that this one follows. It then has none of "
+           "the keys above."},
+          {"tie_factor", "number", "", "1",
+           "Multiple of the other unknown, both in the model's units."},
       }};
 }
 

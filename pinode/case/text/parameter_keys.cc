@@ -6,9 +6,39 @@
 #include "pinode/base/strings.h"
 
 namespace pinode {
+namespace {
+
+// Reads `tie` and `tie_factor`. `parameter` has its physical bounds.
+bool ReadTie(const TomlTable& table, Parameter* parameter) {
+  for (const char* key :
+       {"initial", "lower", "upper", "prior_mean", "prior_sigma", "free"}) {
+    if (!table.Has(key)) continue;
+    return table.Fail(key, std::string("'") + key +
+                               "' belongs to an unknown of its own; '" +
+                               parameter->name + "' has 'tie', so remove one");
+  }
+  parameter->tie = table.String("tie");
+  parameter->tie_factor = table.Number("tie_factor", 1.0);
+  parameter->free = false;
+  // Any value that is allowed will do until that of the source is known.
+  parameter->value =
+      std::clamp(std::isfinite(parameter->value) ? parameter->value : 0.0,
+                 parameter->lower, parameter->upper);
+  parameter->prior_mean = parameter->value;
+  table.errors()->NoteTie(parameter->name, table.Line("tie"));
+  return table.errors()->ok();
+}
+
+}  // namespace
 
 bool ReadParameterKeys(const TomlTable& table, double factor,
                        Parameter* parameter) {
+  if (table.Has("tie")) return ReadTie(table, parameter);
+  if (table.Has("tie_factor")) {
+    return table.Fail("tie_factor",
+                      "'tie_factor' needs 'tie', the name of "
+                      "the unknown to follow");
+  }
   const double lowest = parameter->lower;
   const double highest = parameter->upper;
   const auto scaled = [&](const char* key, double absent) {

@@ -14,8 +14,9 @@ namespace pinode {
 // Overwrites the fields of *parameter that `table` gives. Other fields are
 // unchanged, except that the prior's mean becomes the initial value. Numbers in
 // the file are multiplied by `factor` (not zero; a negative one exchanges the
-// bounds). Refuses crossed bounds, bounds beyond those in *parameter, and a
-// value outside.
+// bounds). A parameter that is tied to another one has no other keys; its value
+// is set when all parameters are known. Refuses crossed bounds, bounds beyond
+// those in *parameter, and a value outside.
 [[nodiscard]] bool ReadParameterKeys(const TomlTable& table, double factor,
                                      Parameter* parameter);
 

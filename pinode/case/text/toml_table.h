@@ -5,6 +5,7 @@
 #define PINODE_CASE_TEXT_TOML_TABLE_H_
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,14 @@ class CaseErrors {
   SharedTables* shared_tables() const { return shared_tables_; }
   void set_shared_tables(SharedTables* tables) { shared_tables_ = tables; }
 
+  // Line where an unknown is tied to another one, for checks after all unknowns
+  // were read; 0 if it was not noted.
+  void NoteTie(const std::string& unknown, int line) { ties_[unknown] = line; }
+  int LineOfTie(const std::string& unknown) const {
+    const auto found = ties_.find(unknown);
+    return found == ties_.end() ? 0 : found->second;
+  }
+
   // Return false, so that callers can return it. Fail writes `path:line:
   // message`, without parts that are empty or 0.
   bool Fail(int line, const std::string& message);
@@ -53,6 +62,7 @@ class CaseErrors {
   std::string* error_;
   const CaseData* data_;
   SharedTables* shared_tables_ = nullptr;
+  std::map<std::string, int> ties_;
   bool ok_ = true;
 };
 

@@ -188,12 +188,12 @@ bool AmbientCost::Eliminate(const LikelihoodSums& sums, Linearization* linear) {
   linear->follow = Matrix::Zero(nuisance, num_free);
   for (Eigen::Index i = 0; i < groups; ++i) {
     const int a = transfer_.groups()[static_cast<size_t>(i)].free;
-    system.gradient[a] = gradient[i];
-    linear->follow.col(a) = -owed.row(i).transpose();
+    system.gradient[a] += gradient[i];
+    linear->follow.col(a) -= owed.row(i).transpose();
     for (Eigen::Index j = 0; j < groups; ++j) {
       const int b = transfer_.groups()[static_cast<size_t>(j)].free;
-      system.hessian(a, b) = hessian(i, j);
-      linear->score_products(a, b) = products(i, j);
+      system.hessian(a, b) += hessian(i, j);
+      linear->score_products(a, b) += products(i, j);
     }
   }
   return system.gradient.allFinite() && system.hessian.allFinite();

@@ -77,14 +77,29 @@ AmbientTransfer::AmbientTransfer(const AmbientRecord& record,
     sensors_.row(c) = channel.weights.transpose();
     derivatives_[c] = DerivativeOf(channel.quantity);
   }
+  std::vector<Matrix> matrices;  // of groups_
   for (const MatrixChange& change : averaged.linear_dynamics().changes()) {
     FreeGroup group;
-    group.free = layout.FreeIndex(change.parameter);
+    const auto [free, factor] = layout.DependenceOf(change.parameter);
+    group.free = free;
     group.target = change.group->target;
     if (group.free < 0 || change.group->matrix.isZero(0.0)) continue;
     group.name = layout.free_parameter(group.free).name;
-    FindFactors(change.group->matrix, &group.left, &group.right);
-    groups_.push_back(std::move(group));
+    // Groups that are tied are one group.
+    const auto same = std::find_if(
+        groups_.begin(), groups_.end(), [&group](const FreeGroup& other) {
+          return other.free == group.free && other.target == group.target;
+        });
+    const auto of_same = matrices.begin() + (same - groups_.begin());
+    if (same == groups_.end()) {
+      groups_.push_back(std::move(group));
+      matrices.emplace_back(factor * change.group->matrix);
+    } else {
+      *of_same += factor * change.group->matrix;
+    }
+  }
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    FindFactors(matrices[g], &groups_[g].left, &groups_[g].right);
   }
   SetLoads(record, averaged.model(), modes);
   num_nodes_ = loads_.cols() < channels ? 2 : 1;

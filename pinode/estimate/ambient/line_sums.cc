@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <set>
 #include <utility>
 
 #include "pinode/base/constants.h"
@@ -225,9 +226,15 @@ void LineSums::AddMean(Eigen::Index line, const ComplexFactor& factor) {
   ComplexMatrix both(sizes_.channels, 1 + groups);
   for (Eigen::Index single = first; single < end; ++single) {
     both.col(0) = mean.rest().col(single);
+    // The mean's slope by an unknown that two groups share counts once.
+    std::set<int> seen;
     for (Eigen::Index g = 0; g < groups; ++g) {
-      both.col(1 + g) = mean.slopes(single).col(
-          transfer_.groups()[static_cast<size_t>(g)].free);
+      const int free = transfer_.groups()[static_cast<size_t>(g)].free;
+      if (seen.insert(free).second) {
+        both.col(1 + g) = mean.slopes(single).col(free);
+      } else {
+        both.col(1 + g).setZero();
+      }
     }
     factor.matrixL().solveInPlace(both);
     const auto rows = RealRows(both);

@@ -76,6 +76,10 @@ ParameterEstimate MakeEstimate(const Parameter& parameter, double value,
   estimate.initial = parameter.value;
   estimate.value = value;
   estimate.free = parameter.free;
+  if (parameter.IsTied()) {
+    estimate.tie = parameter.tie;
+    estimate.tie_factor = parameter.tie_factor;
+  }
   estimate.sigma = parameter.free ? sigma : 0.0;
   estimate.half_width95 = quantile * estimate.sigma;
   estimate.lower95 = value - estimate.half_width95;
@@ -298,6 +302,7 @@ void ReportParameters(const IdentificationProblem& problem,
       summary->covariance_names.push_back(layout.parameter(i).name);
     }
   }
+  FollowSources(&summary->parameters);
   if (certainty.is_curved) {
     summary->undetermined = DescribeNullSpace(
         layout, WithUnseenGroups(problem, layout, layout.Free(parameters),

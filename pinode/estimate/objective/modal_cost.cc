@@ -159,11 +159,12 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
       layout_(layout) {
   int num_residuals = 0;
   for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {
-    const int free = layout.FreeIndex(change.parameter);
+    const auto [free, factor] = layout.DependenceOf(change.parameter);
     if (free < 0 || change.group->target == MatrixGroup::Target::kDamping) {
       continue;
     }
-    columns_.push_back({free, change.group->target, &change.group->matrix});
+    columns_.push_back(
+        {free, factor, change.group->target, &change.group->matrix});
   }
   for (const MeasuredMode& mode : data_.modes) {
     Shape shape;
@@ -306,8 +307,8 @@ bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
   const size_t num_columns = jacobian == nullptr ? 0 : columns_.size();
   const auto set_rows = [&](int row, const Matrix& slopes) {
     for (size_t c = 0; c < num_columns; ++c) {
-      jacobian->col(columns_[c].free).segment(row, slopes.rows()) =
-          slopes.col(static_cast<Eigen::Index>(c));
+      jacobian->col(columns_[c].free).segment(row, slopes.rows()) +=
+          columns_[c].factor * slopes.col(static_cast<Eigen::Index>(c));
     }
   };
   int row = 0;
@@ -414,7 +415,7 @@ bool ModalCost::EvaluateDynamicResiduals(
         const Vector change = -factor.solve(slope) - solve_squared(moved);
         slope += unmeasured * change;
       }
-      jacobian->col(column.free).segment(row, n) = slope;
+      jacobian->col(column.free).segment(row, n) += column.factor * slope;
     }
   }
   return true;

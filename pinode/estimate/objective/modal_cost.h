@@ -81,6 +81,7 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   // Free correction to M or K.
   struct Column {
     int free = -1;
+    double factor = 1.0;  // derivative of the parameter by the free one
     MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
     const Matrix* matrix = nullptr;
   };

@@ -120,10 +120,15 @@ bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
   const auto value = [&](int sensor) {
     return (*point.parameters)[layout_.num_dynamics() + sensor];
   };
-  // Column of a sensor's parameter, -1 where it is fixed or not asked for.
+  // Column of a sensor's parameter, or of the parameter that it is tied to; -1
+  // where it is fixed or not asked for.
   const auto column = [&](int sensor) {
-    const int free = layout_.FreeIndex(layout_.num_dynamics() + sensor);
-    return by_parameters && free >= 0 ? ns + free : Eigen::Index(-1);
+    ParameterLayout::Dependence result =
+        layout_.DependenceOf(layout_.num_dynamics() + sensor);
+    result.free = by_parameters && result.free >= 0
+                      ? static_cast<int>(ns) + result.free
+                      : -1;
+    return result;
   };
   for (size_t c = 0; c < record_.channels.size(); ++c) {
     const MeasuredChannel& channel = record_.channels[c];
@@ -137,15 +142,17 @@ bool LinearRecord::Tabulate(const Point& point, const Vector& sigmas,
     }
     if (channel.gain >= 0) {
       derivatives *= value(channel.gain);
-      if (channel.fit && column(channel.gain) >= 0) {
-        derivatives.col(column(channel.gain)) = prediction;
+      const ParameterLayout::Dependence by_gain = column(channel.gain);
+      if (channel.fit && by_gain.free >= 0) {
+        derivatives.col(by_gain.free) += by_gain.factor * prediction;
       }
       prediction *= value(channel.gain);
     }
     if (channel.offset >= 0) {
       prediction[constant] += value(channel.offset);
-      if (channel.fit && column(channel.offset) >= 0) {
-        derivatives(constant, column(channel.offset)) = 1.0;
+      const ParameterLayout::Dependence by_offset = column(channel.offset);
+      if (channel.fit && by_offset.free >= 0) {
+        derivatives(constant, by_offset.free) += by_offset.factor;
       }
     }
     const double sigma = sigmas[static_cast<Eigen::Index>(c)];

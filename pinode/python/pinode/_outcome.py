@@ -35,6 +35,9 @@ class Parameter(NamedTuple):
     If the model is incomplete (verdict "with_care"), lower95 and upper95 include the
     values under other explanations. half_width95 is that of the interval that assumes
     a complete model.
+
+    tie is the name of the parameter that this one follows, with tie_factor; empty if
+    it is not tied.
     """
 
     name: str
@@ -47,6 +50,8 @@ class Parameter(NamedTuple):
     half_width95: float
     free: bool
     at_bound: bool
+    tie: str = ""
+    tie_factor: float = 1.0
 
 
 class Outcome:

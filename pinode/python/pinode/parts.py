@@ -97,7 +97,7 @@ _DAMPING = Kind(
     lambda v: MATRIX.fits(v))
 # Keys of a parameter that is searched for.
 _PARAMETER = {"initial": NUMBER, "lower": NUMBER, "upper": NUMBER, "prior_mean": NUMBER,
-              "prior_sigma": POSITIVE, "free": FLAG}
+              "prior_sigma": POSITIVE, "free": FLAG, "tie": TEXT, "tie_factor": NUMBER}
 _MODEL = {"dofs": NAMES, "influence": MAPPING, "support_mass_coupling": MAPPING,
           "expected_hz": either(NUMBER, VALUES)}
 _ACTS_AS = one_of("acceleration", "force")
@@ -255,20 +255,28 @@ class Unknown(Part):
     lower, upper: bounds. Default: none.
     prior_mean, prior_sigma: Gaussian prior. Default: `initial`, no prior.
     free: False: the parameter is fixed.
+    tie: name of another unknown that this one follows, such as "link1.k3". It takes
+        the place of the arguments above.
+    tie_factor: multiple of the other unknown. Default: 1.
     """
 
     @takes(**_PARAMETER)
     def __init__(
         self,
-        initial: float = 0.0,
+        initial: float | None = None,
         *,
         lower: float | None = None,
         upper: float | None = None,
         prior_mean: float | None = None,
         prior_sigma: float | None = None,
-        free: bool = True,
+        free: bool | None = None,
+        tie: str | None = None,
+        tie_factor: float | None = None,
         **keys: Any,
     ) -> None:
+        if tie is None:
+            initial = 0.0 if initial is None else initial
+            free = True if free is None else free
         super().__init__(
             initial=initial,
             lower=lower,
@@ -276,6 +284,8 @@ class Unknown(Part):
             prior_mean=prior_mean,
             prior_sigma=prior_sigma,
             free=free,
+            tie=tie,
+            tie_factor=tie_factor,
             **keys,
         )
 

@@ -117,7 +117,7 @@ PARTS = {
     pinode.Unknown: (lambda part: case(elements=[pinode.Element(
         "e", "cubic", ["ground", "u1"], {"k3": part})]), {}, {
         "initial": "number", "lower": "number", "upper": "number", "prior_mean": "number",
-        "prior_sigma": "positive", "free": "flag"}),
+        "prior_sigma": "positive", "free": "flag", "tie": "text", "tie_factor": "number"}),
     pinode.Channel: (lambda part: case(records=[shaken(channels=[part])]), dict(
         name="a", values=FLOORS[:, 0], quantity="absolute_acceleration", dof="u1"), {
         "name": "text", "values": "samples", "quantity": "text", "dof": "text",

@@ -28,6 +28,7 @@ void Widen(const std::vector<ExplainedValue>& intervals,
       estimate.upper95 = std::max(estimate.upper95, wide.upper95);
     }
   }
+  FollowSources(parameters);
 }
 
 // The steps of one identification; what stands is in problem_, fit_, model_,

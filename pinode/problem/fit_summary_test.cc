@@ -1,0 +1,40 @@
+#include "pinode/problem/fit_summary.h"
+
+#include <gtest/gtest.h>
+
+namespace pinode {
+namespace {
+
+ParameterEstimate Estimate(const std::string& name, double value,
+                           double half_width) {
+  ParameterEstimate estimate;
+  estimate.name = name;
+  estimate.value = value;
+  estimate.sigma = 0.5 * half_width;
+  estimate.half_width95 = half_width;
+  estimate.lower95 = value - half_width;
+  estimate.upper95 = value + 2.0 * half_width;
+  return estimate;
+}
+
+TEST(FitSummary, TiedEstimatesFollowTheirSources) {
+  std::vector<ParameterEstimate> parameters = {Estimate("c", 0.0, 0.0),
+                                               Estimate("k1", 10.0, 1.0),
+                                               Estimate("k2", 7.0, 1.0)};
+  parameters[0].tie = "k1";
+  parameters[0].tie_factor = -2.0;
+  parameters[1].at_bound = true;
+  FollowSources(&parameters);
+  EXPECT_EQ(parameters[0].value, -20.0);
+  EXPECT_EQ(parameters[0].sigma, 1.0);
+  EXPECT_EQ(parameters[0].half_width95, 2.0);
+  // A negative factor exchanges the ends.
+  EXPECT_EQ(parameters[0].lower95, -24.0);
+  EXPECT_EQ(parameters[0].upper95, -18.0);
+  EXPECT_TRUE(parameters[0].at_bound);
+  EXPECT_EQ(parameters[2].value, 7.0);
+  EXPECT_FALSE(parameters[2].at_bound);
+}
+
+}  // namespace
+}  // namespace pinode
