@@ -48,6 +48,28 @@ class Law {
   virtual void Linearize(const double* features, const double* internal,
                          const double* parameters, double* result,
                          double* jacobian) const = 0;
+
+  // Switching functions s_j(q) of the features: where one changes its sign, the
+  // law jumps from one branch to another. Integrators cut their steps there.
+  // Laws without jumps need none of these functions.
+  virtual int num_switches() const { return 0; }
+  // Computes all s_j, num_switches() entries.
+  virtual void Switches(const double* /*features*/, double* /*values*/) const {}
+  // Computes d s_j / d q, num_features() entries.
+  virtual void SwitchGradient(int /*j*/, const double* /*features*/,
+                              double* /*gradient*/) const {}
+  // Evaluate as the functions above do, on the branch where s_j > 0 if
+  // branches[j] is not 0, whatever the features say.
+  virtual void EvaluateOn(const char* /*branches*/, const double* features,
+                          const double* internal, const double* parameters,
+                          double* result) const {
+    Evaluate(features, internal, parameters, result);
+  }
+  virtual void LinearizeOn(const char* /*branches*/, const double* features,
+                           const double* internal, const double* parameters,
+                           double* result, double* jacobian) const {
+    Linearize(features, internal, parameters, result, jacobian);
+  }
 };
 
 }  // namespace pinode

@@ -15,6 +15,7 @@ struct LinearizedLaw : TermLinearization {
   Matrix jacobian;  // arguments x results
   // Scratch.
   Vector features, results, mapped;
+  const char* branches = nullptr;
 };
 
 struct LawScratch : TermTangentScratch {
@@ -65,7 +66,14 @@ class LawDynamics final
                TermRate<double>* rate,
                TermLinearization* scratch) const override {
     auto* own = static_cast<LinearizedLaw*>(scratch);
-    AddRateOf(prepared, at, own->features.data(), own->results.data(), rate);
+    if (own->branches == nullptr) {
+      AddRateOf(prepared, at, own->features.data(), own->results.data(), rate);
+      return;
+    }
+    Gather(at, own->features.data());
+    law().EvaluateOn(own->branches, own->features.data(), at.internal(),
+                     at.parameters, own->results.data());
+    AddAll(prepared, own->results.data(), rate);
   }
 
   void AddRate(const TermPrepared& prepared, const TermPoint<WideJet>& at,
@@ -84,8 +92,14 @@ class LawDynamics final
     const int internal = law().num_internal();
     const int features = law().num_features();
     Gather(at, own->features.data());
-    law().Linearize(own->features.data(), at.internal(), at.parameters,
-                    own->results.data(), own->jacobian.data());
+    if (own->branches == nullptr) {
+      law().Linearize(own->features.data(), at.internal(), at.parameters,
+                      own->results.data(), own->jacobian.data());
+    } else {
+      law().LinearizeOn(own->branches, own->features.data(), at.internal(),
+                        at.parameters, own->results.data(),
+                        own->jacobian.data());
+    }
     AddAll(prepared, own->results.data(), rate);
 
     const Matrix& map = prepared.output_map;
@@ -145,6 +159,33 @@ class LawDynamics final
         }
       }
     }
+  }
+
+  int num_switches() const override { return law().num_switches(); }
+
+  // Switches are rare, so that these two may allocate.
+  void Switches(const TermPoint<double>& at, double* values) const override {
+    Vector features(law().num_features());
+    Gather(at, features.data());
+    law().Switches(features.data(), values);
+  }
+
+  void AddSwitchGradient(int j, const TermPoint<double>& at,
+                         double* gradient) const override {
+    Vector features(law().num_features());
+    Vector slopes(law().num_features());
+    Gather(at, features.data());
+    law().SwitchGradient(j, features.data(), slopes.data());
+    for (Eigen::Index f = 0; f < slopes.size(); ++f) {
+      description_.features[static_cast<size_t>(f)].ForEachState(
+          at.place.num_dofs,
+          [&](int index, double sign) { gradient[index] += sign * slopes[f]; });
+    }
+  }
+
+  void SetBranches(const char* branches,
+                   TermLinearization* kept) const override {
+    static_cast<LinearizedLaw*>(kept)->branches = branches;
   }
 
  private:

@@ -99,14 +99,78 @@ double LibraryFunction::Apply(const Operation& operation,
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-double LibraryFunction::Forward(const double* q, double* values) const {
+double LibraryFunction::Forward(const double* q, const char* branches,
+                                double* values) const {
   const size_t count = operations_.size();
   for (size_t i = 0; i < count; ++i) {
     const Operation& operation = operations_[i];
     values[i] = operation.code == Code::kFeature ? q[operation.index]
                                                  : Apply(operation, values);
+    if (branches != nullptr && operation.switched >= 0) {
+      values[i] = OnBranch(operation, branches[operation.switched] != 0);
+    }
   }
   return values[count - 1];
+}
+
+double LibraryFunction::OnBranch(const Operation& operation, bool positive) {
+  switch (operation.code) {
+    case Code::kLess:
+    case Code::kLessEqual:
+      return positive ? 0.0 : 1.0;
+    case Code::kSign:
+      return positive ? 1.0 : -1.0;
+    default:
+      return positive ? 1.0 : 0.0;
+  }
+}
+
+void LibraryFunction::FindSwitches() {
+  switches_.clear();
+  for (size_t i = 0; i < operations_.size(); ++i) {
+    Operation& operation = operations_[i];
+    switch (operation.code) {
+      case Code::kLess:
+      case Code::kLessEqual:
+      case Code::kGreater:
+      case Code::kGreaterEqual:
+      case Code::kSign:
+        operation.switched = num_switches();
+        switches_.push_back(static_cast<int>(i));
+        break;
+      default:
+        operation.switched = -1;
+    }
+  }
+}
+
+void LibraryFunction::Switches(const double* q, double* values) const {
+  if (switches_.empty()) return;
+  std::array<double, kMaxOperations> all;
+  Forward(q, nullptr, all.data());
+  for (const int i : switches_) {
+    const Operation& operation = operations_[static_cast<size_t>(i)];
+    const auto at = [&all](int index) {
+      return index < 0 ? 0.0 : all[static_cast<size_t>(index)];
+    };
+    *values++ = at(operation.first) - at(operation.second);
+  }
+}
+
+void LibraryFunction::SwitchGradient(int j, const double* q,
+                                     double* gradient) const {
+  std::array<double, kMaxOperations> values;
+  std::array<double, kMaxOperations> adjoints;
+  std::fill(gradient, gradient + num_features_, 0.0);
+  Forward(q, nullptr, values.data());
+  std::fill(adjoints.begin(), adjoints.end(), 0.0);
+  const Operation& operation =
+      operations_[static_cast<size_t>(switches_[static_cast<size_t>(j)])];
+  adjoints[static_cast<size_t>(operation.first)] += 1.0;
+  if (operation.second >= 0) {
+    adjoints[static_cast<size_t>(operation.second)] -= 1.0;
+  }
+  Backward(values.data(), adjoints.data(), gradient);
 }
 
 void LibraryFunction::FindMonomial() {
@@ -144,10 +208,10 @@ void LibraryFunction::FindMonomial() {
   monomial_ = std::move(found.back());
 }
 
-double LibraryFunction::Evaluate(const double* q) const {
+double LibraryFunction::Evaluate(const double* q, const char* branches) const {
   if (monomial_.has_value()) return monomial_->Evaluate(q);
   std::array<double, kMaxOperations> values;
-  return Forward(q, values.data());
+  return Forward(q, branches, values.data());
 }
 
 bool LibraryFunction::Differentiate(const Operation& operation, double a,
@@ -251,16 +315,23 @@ bool LibraryFunction::Differentiate(const Operation& operation, double a,
   return true;
 }
 
-double LibraryFunction::Linearize(const double* q, double* gradient) const {
+double LibraryFunction::Linearize(const double* q, double* gradient,
+                                  const char* branches) const {
   std::fill(gradient, gradient + num_features_, 0.0);
   if (monomial_.has_value()) return monomial_->Linearize(q, gradient);
   std::array<double, kMaxOperations> values;
   std::array<double, kMaxOperations> adjoints;
-  const double result = Forward(q, values.data());
+  const double result = Forward(q, branches, values.data());
   const size_t count = operations_.size();
   std::fill(adjoints.begin(), adjoints.begin() + static_cast<long>(count), 0.0);
   adjoints[count - 1] = 1.0;
-  for (size_t i = count; i-- > 0;) {
+  Backward(values.data(), adjoints.data(), gradient);
+  return result;
+}
+
+void LibraryFunction::Backward(const double* values, double* adjoints,
+                               double* gradient) const {
+  for (size_t i = operations_.size(); i-- > 0;) {
     const Operation& operation = operations_[i];
     const double adjoint = adjoints[i];
     // This saves time, and prevents 0 * infinity in the result from the branch
@@ -288,7 +359,6 @@ double LibraryFunction::Linearize(const double* q, double* gradient) const {
       adjoints[at(operation.second)] += adjoint * by_second;
     }
   }
-  return result;
 }
 
 }  // namespace pinode

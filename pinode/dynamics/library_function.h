@@ -60,12 +60,23 @@ class LibraryFunction {
   bool DependsOn(int feature) const;
 
   // Returns the value at q, num_features() entries. It is not finite outside
-  // the function's domain.
-  double Evaluate(const double* q) const;
+  // the function's domain. `branches` holds the branch of each switch, see
+  // below. nullptr: those at q.
+  double Evaluate(const double* q, const char* branches = nullptr) const;
 
   // Does what Evaluate does, and computes gradient (num_features() entries):
   // dg/dq.
-  double Linearize(const double* q, double* gradient) const;
+  double Linearize(const double* q, double* gradient,
+                   const char* branches = nullptr) const;
+
+  // Switches are the comparisons < <= > >= and the signs, at which the function
+  // may jump. A switch is on its positive branch where a - b > 0 for the two
+  // sides of a comparison, or where the argument of sign is positive.
+  int num_switches() const { return static_cast<int>(switches_.size()); }
+  // Computes a - b, or the argument, of each switch at q.
+  void Switches(const double* q, double* values) const;
+  // Computes the gradient of switch j by q, num_features() entries.
+  void SwitchGradient(int j, const double* q, double* gradient) const;
 
  private:
   friend class LibraryFunctionBuilder;
@@ -115,22 +126,31 @@ class LibraryFunction {
     double number = 0.0;  // kNumber
     int first = -1;
     int second = -1;
-    int third = -1;  // kSelect: first ? second : third
+    int third = -1;     // kSelect: first ? second : third
+    int switched = -1;  // number of the switch
   };
 
   static double Apply(const Operation& operation, const double* values);
+  // Returns the value of a switch on a branch.
+  static double OnBranch(const Operation& operation, bool positive);
   // Computes the derivatives of an operation's value with respect to its first
   // two operands, a and b. Returns false if it has none, or if they are zero.
   static bool Differentiate(const Operation& operation, double a, double b,
                             double value, double* by_first, double* by_second);
   // Sets monomial_ if the operations form a monomial.
   void FindMonomial();
+  // Numbers the switches among operations_.
+  void FindSwitches();
   // Fills `values`, one per operation, and returns the last one.
-  double Forward(const double* q, double* values) const;
+  double Forward(const double* q, const char* branches, double* values) const;
+  // Adds the gradient of sum_i adjoints_i values_i, summed over operations, to
+  // `gradient`. Uses up `adjoints`.
+  void Backward(const double* values, double* adjoints, double* gradient) const;
 
   std::string text_ = "0";
   int num_features_ = 0;
   std::vector<Operation> operations_ = {Operation()};
+  std::vector<int> switches_;  // operations
   // The same function without a list of operations, if it is a monomial.
   std::optional<Monomial> monomial_;
 };

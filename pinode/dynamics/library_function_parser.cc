@@ -456,6 +456,7 @@ bool LibraryFunctionBuilder::Build(LibraryFunction* function,
   function->num_features_ = static_cast<int>(feature_names_.size());
   function->operations_ = std::move(operations_);
   function->FindMonomial();
+  function->FindSwitches();
   return true;
 }
 

@@ -35,14 +35,43 @@ LibraryLaw::LibraryLaw(int num_features, std::vector<LibraryFunction> functions)
     : num_features_(num_features), functions_(std::move(functions)) {
   std::string error;
   CHECK(AreValid(num_features_, functions_, &error)) << error;
+  for (const LibraryFunction& function : functions_) {
+    num_switches_ += function.num_switches();
+  }
 }
 
-void LibraryLaw::Evaluate(const double* features, const double* /*internal*/,
+void LibraryLaw::Switches(const double* features, double* values) const {
+  for (const LibraryFunction& function : functions_) {
+    function.Switches(features, values);
+    values += function.num_switches();
+  }
+}
+
+void LibraryLaw::SwitchGradient(int j, const double* features,
+                                double* gradient) const {
+  for (const LibraryFunction& function : functions_) {
+    if (j < function.num_switches()) {
+      function.SwitchGradient(j, features, gradient);
+      return;
+    }
+    j -= function.num_switches();
+  }
+}
+
+void LibraryLaw::Evaluate(const double* features, const double* internal,
                           const double* parameters, double* result) const {
+  EvaluateOn(nullptr, features, internal, parameters, result);
+}
+
+void LibraryLaw::EvaluateOn(const char* branches, const double* features,
+                            const double* /*internal*/,
+                            const double* parameters, double* result) const {
   result[0] = 0.0;
   for (size_t k = 0; k < functions_.size(); ++k) {
-    if (parameters[k] == 0.0) continue;
-    result[0] += parameters[k] * functions_[k].Evaluate(features);
+    if (parameters[k] != 0.0) {
+      result[0] += parameters[k] * functions_[k].Evaluate(features, branches);
+    }
+    if (branches != nullptr) branches += functions_[k].num_switches();
   }
 }
 
@@ -65,14 +94,23 @@ void LibraryLaw::Evaluate(const WideJet* features, const WideJet* /*internal*/,
   }
 }
 
-void LibraryLaw::Linearize(const double* features, const double* /*internal*/,
+void LibraryLaw::Linearize(const double* features, const double* internal,
                            const double* parameters, double* result,
                            double* jacobian) const {
+  LinearizeOn(nullptr, features, internal, parameters, result, jacobian);
+}
+
+void LibraryLaw::LinearizeOn(const char* branches, const double* features,
+                             const double* /*internal*/,
+                             const double* parameters, double* result,
+                             double* jacobian) const {
   std::array<double, kMaxFeatures> gradient;
   std::fill(jacobian, jacobian + num_features_, 0.0);
   result[0] = 0.0;
   for (size_t k = 0; k < functions_.size(); ++k) {
-    const double value = functions_[k].Linearize(features, gradient.data());
+    const double value =
+        functions_[k].Linearize(features, gradient.data(), branches);
+    if (branches != nullptr) branches += functions_[k].num_switches();
     for (int i = 0; i < num_features_; ++i) {
       const double slope = gradient[static_cast<size_t>(i)];
       // A coefficient of 0 keeps an infinite slope out.

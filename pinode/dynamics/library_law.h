@@ -47,9 +47,22 @@ class LibraryLaw final : public Law {
                  const double* parameters, double* result,
                  double* jacobian) const override;
 
+  // The switches of all functions, one function after the other.
+  int num_switches() const override { return num_switches_; }
+  void Switches(const double* features, double* values) const override;
+  void SwitchGradient(int j, const double* features,
+                      double* gradient) const override;
+  void EvaluateOn(const char* branches, const double* features,
+                  const double* internal, const double* parameters,
+                  double* result) const override;
+  void LinearizeOn(const char* branches, const double* features,
+                   const double* internal, const double* parameters,
+                   double* result, double* jacobian) const override;
+
  private:
   int num_features_;
   std::vector<LibraryFunction> functions_;
+  int num_switches_ = 0;
 };
 
 }  // namespace pinode

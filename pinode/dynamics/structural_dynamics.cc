@@ -231,7 +231,9 @@ void StructuralDynamics::Layout() {
   offsets_.clear();
   num_parameters_ = 0;
   num_internal_ = 0;
+  num_switches_ = 0;
   for (const auto& term : terms_) {
+    num_switches_ += term->num_switches();
     Offsets offsets;
     offsets.parameter = num_parameters_;
     offsets.place.num_dofs = num_dofs();
@@ -442,6 +444,43 @@ void StructuralDynamics::Rate(const Prepared& prepared, double time,
   }
   linear_.AddVariation(prepared.linear, input, state, theta,
                        force_acceleration.data(), rate + n);
+}
+
+void StructuralDynamics::Switches(const Prepared& prepared, double time,
+                                  const double* input, const double* state,
+                                  double* values) const {
+  for (int i = 0; i < num_terms(); ++i) {
+    const int count = term(i).num_switches();
+    if (count == 0) continue;
+    term(i).Switches(PointOf(i, time, input, state, prepared.theta.data()),
+                     values);
+    values += count;
+  }
+}
+
+void StructuralDynamics::SwitchGradient(int j, const Prepared& prepared,
+                                        double time, const double* input,
+                                        const double* state,
+                                        double* gradient) const {
+  std::fill(gradient, gradient + num_states(), 0.0);
+  for (int i = 0; i < num_terms(); ++i) {
+    if (j < term(i).num_switches()) {
+      term(i).AddSwitchGradient(
+          j, PointOf(i, time, input, state, prepared.theta.data()), gradient);
+      return;
+    }
+    j -= term(i).num_switches();
+  }
+}
+
+void StructuralDynamics::SetBranches(const char* branches,
+                                     Linearization* linearization) const {
+  for (int i = 0; i < num_terms(); ++i) {
+    const int count = term(i).num_switches();
+    if (count == 0) continue;
+    term(i).SetBranches(branches, linearization->terms[Index(i)].get());
+    if (branches != nullptr) branches += count;
+  }
 }
 
 void StructuralDynamics::Linearize(const Prepared& prepared, double time,

@@ -254,6 +254,22 @@ class StructuralDynamics {
                             const Matrix* const* lefts, int num_points,
                             TangentScratch* scratch, double* result) const;
 
+  // Switching functions at which dh/dt jumps, those of all terms. Integrators
+  // that find them cut their steps there (SwitchedStep).
+  int num_switches() const { return num_switches_; }
+  // Computes their values, num_switches() entries. Arguments as of Rate().
+  void Switches(const Prepared& prepared, double time, const double* input,
+                const double* state, double* values) const;
+  // Computes the gradient of switch j by the state, num_states() entries.
+  void SwitchGradient(int j, const Prepared& prepared, double time,
+                      const double* input, const double* state,
+                      double* gradient) const;
+  // Keeps Rate() and Linearize() with this memory on a branch of each switch:
+  // that of positive values where the entry is not 0. `branches` has
+  // num_switches() entries and must outlive the calls. nullptr: the branches at
+  // the state.
+  void SetBranches(const char* branches, Linearization* linearization) const;
+
   // Computes the same `rate` on Jets, for `derivatives = "jets"`. `theta` has
   // num_parameters() Jets, whose values must be those of `prepared`.
   void Rate(const Prepared& prepared, double time, const double* input,
@@ -315,6 +331,7 @@ class StructuralDynamics {
   std::vector<TermColumn> term_columns_;
   int num_internal_ = 0;
   int num_parameters_ = 0;
+  int num_switches_ = 0;
 };
 
 template <typename Description>

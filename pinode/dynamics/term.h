@@ -190,6 +190,22 @@ class Term {
                                     const Matrix* const* lefts, int num_stages,
                                     TermTangentScratch* scratch,
                                     double* result) const = 0;
+
+  // Switching functions of the state at which the term jumps, see
+  // Law::Switches. Terms that never jump need none of these functions.
+  virtual int num_switches() const { return 0; }
+  // Computes their values, num_switches() entries.
+  virtual void Switches(const TermPoint<double>& /*at*/,
+                        double* /*values*/) const {}
+  // Adds the gradient of switch j by the state to `gradient`, num_states
+  // entries.
+  virtual void AddSwitchGradient(int /*j*/, const TermPoint<double>& /*at*/,
+                                 double* /*gradient*/) const {}
+  // Keeps AddRate and Linearize with this working memory on a branch of each
+  // switch, num_switches() entries that must outlive the calls. nullptr: the
+  // branches at the point.
+  virtual void SetBranches(const char* /*branches*/,
+                           TermLinearization* /*kept*/) const {}
 };
 
 // Base of terms that a plain struct describes.

@@ -12,6 +12,7 @@
 #include "pinode/integrate/modal_response.h"
 #include "pinode/integrate/rk4.h"
 #include "pinode/integrate/segment.h"
+#include "pinode/integrate/switched_step.h"
 
 namespace pinode {
 namespace {
@@ -42,6 +43,8 @@ class Stepper {
     if (grid.integrator() == Integrator::kExponential) {
       exponential_.emplace(dynamics);
       exponential_->Prepare(prepared, grid.step(), false);
+    } else if (dynamics.num_switches() > 0) {
+      switched_.emplace(dynamics);
     }
   }
 
@@ -58,7 +61,16 @@ class Stepper {
       state->swap(next_);
       return;
     }
+    if (switched_.has_value() && !has_begun_) {
+      switched_->Begin(prepared_, grid_.time(interval),
+                       grid_.AtSample(interval), state->data());
+      has_begun_ = true;
+    }
     for (int s = 0; s < grid_.substeps(); ++s) {
+      if (switched_.has_value()) {
+        switched_->Step(prepared_, grid_, interval, s, state);
+        continue;
+      }
       if (exponential_.has_value()) {
         exponential_->Advance(prepared_, grid_, interval, s, state);
         continue;
@@ -81,6 +93,8 @@ class Stepper {
   Rk4Scratch<double> scratch_;
   std::optional<LinearMap> map_;
   std::optional<ExponentialStep> exponential_;
+  std::optional<SwitchedStep> switched_;
+  bool has_begun_ = false;
   Vector next_;
   Matrix nodes_;
 };

@@ -105,6 +105,11 @@ bool SegmentPropagator::Propagate(const StructuralDynamics::Prepared& prepared,
       return PropagateTangents(prepared, observation, grid, start, first, last,
                                observe_last, columns, result);
     case DerivativeMethod::kJets:
+      // Jets do not see that the instant of a switch moves.
+      if (dynamics_.num_switches() > 0) {
+        return PropagateTangents(prepared, observation, grid, start, first,
+                                 last, observe_last, columns, result);
+      }
       return PropagateWithJets(dynamics_, prepared, observation, grid, start,
                                first, last, observe_last, columns, result);
   }
@@ -159,6 +164,7 @@ bool SegmentPropagator::PropagateTangents(
   sensitivity_.leftCols(by_start).setIdentity();
   dynamics_.Prescribe(grid.AtSample(first), state_.data());
   dynamics_.PrescribeSensitivity(&sensitivity_);
+  step_.Begin(prepared, grid.time(first), grid.AtSample(first), state_.data());
   Eigen::Index block =
       first;  // the sample at which the last block of steps begins
   for (Eigen::Index i = first; i <= last; ++i) {

@@ -27,6 +27,12 @@ TangentStep::TangentStep(const StructuralDynamics& dynamics)
   product_ = Matrix::Zero(ns, ns);
   next_ = Matrix::Zero(ns, ns + dynamics.num_tangent_columns());
   stage_state_ = Vector::Zero(ns);
+  if (dynamics.num_switches() > 0) switched_.emplace(dynamics);
+}
+
+void TangentStep::Begin(const StructuralDynamics::Prepared& prepared,
+                        double time, const double* input, const double* state) {
+  if (switched_.has_value()) switched_->Begin(prepared, time, input, state);
 }
 
 const StructuralDynamics::Linearization& TangentStep::LinearizeAt(
@@ -54,12 +60,72 @@ void TangentStep::Step(const StructuralDynamics::Prepared& prepared,
                        const IntegrationGrid& grid, Eigen::Index interval,
                        int substep, bool linearized, bool with_parameters,
                        Vector* state, Matrix* sensitivity) {
+  if (switched_.has_value()) {
+    StepInPieces(prepared, grid, interval, substep, with_parameters, state,
+                 sensitivity);
+    return;
+  }
+  const Span span{grid.step_time(interval, substep), grid.step(),
+                  grid.AtNode(interval, substep, 0),
+                  grid.AtNode(interval, substep, 1),
+                  grid.AtNode(interval, substep, 2)};
+  StepOver(prepared, span, linearized, with_parameters, state, sensitivity);
+}
+
+void TangentStep::SetBranches(const char* branches) {
+  for (StructuralDynamics::Linearization& stage : stages_) {
+    dynamics_.SetBranches(branches, &stage);
+  }
+}
+
+void TangentStep::StepInPieces(const StructuralDynamics::Prepared& prepared,
+                               const IntegrationGrid& grid,
+                               Eigen::Index interval, int substep,
+                               bool with_parameters, Vector* state,
+                               Matrix* sensitivity) {
+  Vector end = *state;
+  switched_->Step(prepared, grid, interval, substep, &end);
+  const std::vector<SwitchedStep::Piece>& pieces = switched_->pieces();
+  SwitchedStep::Nodes nodes;
+  for (size_t p = 0; p < pieces.size(); ++p) {
+    const SwitchedStep::Piece& piece = pieces[p];
+    SwitchedStep::NodesOf(grid, interval, substep, piece, &nodes);
+    const double time = grid.step_time(interval, substep) + piece.begin;
+    SetBranches(piece.branches.empty() ? nullptr : piece.branches.data());
+    StepOver(prepared,
+             {time, piece.duration, nodes.begin.data(), nodes.middle.data(),
+              nodes.end.data()},
+             false, with_parameters, state, sensitivity);
+    if (piece.switched < 0 || p + 1 == pieces.size()) continue;
+    // The jump of the sensitivities.
+    const auto rate_on = [&](const SwitchedStep::Piece& side) {
+      dynamics_.SetBranches(side.branches.data(), &stages_[0]);
+      Vector rate(dynamics_.num_states());
+      dynamics_.Rate(prepared, time + piece.duration, nodes.end.data(),
+                     state->data(), rate.data(), &stages_[0]);
+      return rate;
+    };
+    const Vector jump = rate_on(pieces[p + 1]) - rate_on(piece);
+    Vector gradient(dynamics_.num_states());
+    dynamics_.SwitchGradient(piece.switched, prepared, time + piece.duration,
+                             nodes.end.data(), state->data(), gradient.data());
+    const Eigen::RowVectorXd earlier =
+        gradient.transpose() * *sensitivity / piece.slope;
+    *sensitivity += jump * earlier;
+  }
+  SetBranches(nullptr);
+}
+
+void TangentStep::StepOver(const StructuralDynamics::Prepared& prepared,
+                           const Span& span, bool linearized,
+                           bool with_parameters, Vector* state,
+                           Matrix* sensitivity) {
   const int ns = dynamics_.num_states();
-  const double dt = grid.step();
-  const double time = grid.step_time(interval, substep);
-  const double* begin = grid.AtNode(interval, substep, 0);
-  const double* middle = grid.AtNode(interval, substep, 1);
-  const double* end = grid.AtNode(interval, substep, 2);
+  const double dt = span.duration;
+  const double time = span.time;
+  const double* begin = span.begin;
+  const double* middle = span.middle;
+  const double* end = span.end;
 
   if (!linearized) {
     dynamics_.Linearize(prepared, time, begin, state->data(), &stages_[0]);

@@ -4,10 +4,12 @@
 #define PINODE_INTEGRATE_TANGENT_STEP_H_
 
 #include <array>
+#include <optional>
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/integrate/integration_grid.h"
+#include "pinode/integrate/switched_step.h"
 
 namespace pinode {
 
@@ -33,6 +35,11 @@ class TangentStep {
  public:
   explicit TangentStep(const StructuralDynamics& dynamics);
 
+  // Prepares for steps from a state, the first one of a segment. It matters for
+  // dynamics with switches alone.
+  void Begin(const StructuralDynamics::Prepared& prepared, double time,
+             const double* input, const double* state);
+
   // Returns the dynamics linearised at a sample, for observation and as the
   // first stage of the step that starts there.
   const StructuralDynamics::Linearization& LinearizeAt(
@@ -55,6 +62,23 @@ class TangentStep {
                             const Matrix& left, Matrix* result);
 
  private:
+  // One step, or a piece of one, and the inputs at its nodes.
+  struct Span {
+    double time = 0.0;
+    double duration = 0.0;
+    const double* begin = nullptr;
+    const double* middle = nullptr;
+    const double* end = nullptr;
+  };
+  void StepOver(const StructuralDynamics::Prepared& prepared, const Span& span,
+                bool linearized, bool with_parameters, Vector* state,
+                Matrix* sensitivity);
+  // Performs a step piece by piece, see SwitchedStep.
+  void StepInPieces(const StructuralDynamics::Prepared& prepared,
+                    const IntegrationGrid& grid, Eigen::Index interval,
+                    int substep, bool with_parameters, Vector* state,
+                    Matrix* sensitivity);
+  void SetBranches(const char* branches);
   // Compute next_ from the linearised stages, by the transition A or through
   // the stages.
   void AdvanceByTransition(const StructuralDynamics::Prepared& prepared,
@@ -83,6 +107,7 @@ class TangentStep {
   Matrix stage_rate_;
   Matrix parameter_rate_;
   Vector stage_state_;
+  std::optional<SwitchedStep> switched_;  // for dynamics with switches
 };
 
 }  // namespace pinode

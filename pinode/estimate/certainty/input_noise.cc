@@ -75,6 +75,7 @@ class RecordLinearizer {
     const int ns = dynamics_.num_states();
     sample->transition = Matrix::Identity(ns, ns);
     Vector state = states_.col(i);
+    step_.Begin(prepared_, grid_.time(i), grid_.AtSample(i), state.data());
     for (int s = 0; s < grid_.substeps(); ++s) {
       step_.Step(prepared_, grid_, i, s, false, false, &state,
                  &sample->transition);

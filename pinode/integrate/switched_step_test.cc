@@ -1,0 +1,181 @@
+#include "pinode/integrate/switched_step.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/base/logging.h"
+#include "pinode/dynamics/library_law.h"
+#include "pinode/integrate/free_run.h"
+#include "pinode/integrate/segment.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kSamplingStep = 0.005;
+
+// Adds a library of these functions of x and v, an acceleration of one mass.
+std::unique_ptr<StructuralDynamics> MakeMass(
+    const std::vector<std::string>& terms, const std::vector<double>& values) {
+  StructuralModel model;
+  model.dof_names = {"u"};
+  model.mass = Matrix::Identity(1, 1);
+  model.damping = model.stiffness = Matrix::Zero(1, 1);
+  model.influence = model.support_mass_coupling = Matrix::Zero(1, 0);
+  auto dynamics = std::make_unique<StructuralDynamics>(
+      std::move(model), std::vector<InputSpec>());
+  std::vector<LibraryFunction> functions(terms.size());
+  LawTerm term;
+  std::string error;
+  for (size_t k = 0; k < terms.size(); ++k) {
+    CHECK(LibraryFunction::Parse(terms[k], {"x[u]", "v[u]"}, &functions[k],
+                                 &error))
+        << error;
+    Parameter parameter;
+    parameter.name = terms[k];
+    parameter.value = values[k];
+    term.parameters.parameters.push_back(parameter);
+  }
+  term.name = term.parameters.name = "law";
+  term.type = "library";
+  term.law = std::make_shared<LibraryLaw>(2, std::move(functions));
+  term.features = {Feature::Displacement(0), Feature::Velocity(0)};
+  term.outputs = Matrix::Identity(1, 1);
+  term.acts_as = ActsAs::kAcceleration;
+  CHECK(dynamics->AddLaw(std::move(term), &error)) << error;
+  return dynamics;
+}
+
+// Ball that falls from rest at x = 0 onto a spring and a damper at x = -1.
+std::unique_ptr<StructuralDynamics> MakeBall(const Vector& values) {
+  return MakeMass({"1", "x[u] < -1 ? -(x[u]+1) : 0", "x[u] < -1 ? -v[u] : 0"},
+                  {values[0], values[1], values[2]});
+}
+
+// State of the ball in closed form, after one contact.
+Vector ClosedForm(const Vector& values, double time) {
+  const double g = -values[0];
+  const double k = values[1];
+  const double c = values[2];
+  const double fall = std::sqrt(2.0 / g);
+  const double speed = -std::sqrt(2.0 * g);
+  // y = x + 1 oscillates around -g / k while it is below 0.
+  const double a = 0.5 * c;
+  const double w = std::sqrt(k - a * a);
+  const double rest = -g / k;
+  const double sine = (speed - a * rest) / w;
+  const auto y = [&](double t) {
+    return rest + std::exp(-a * t) *
+                      (-rest * std::cos(w * t) + sine * std::sin(w * t));
+  };
+  const auto v = [&](double t) {
+    return std::exp(-a * t) * ((a * rest + w * sine) * std::cos(w * t) +
+                               (w * rest - a * sine) * std::sin(w * t));
+  };
+  double low = 1.5 / w;
+  double high = 3.5 / w;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (y(middle) < 0.0 ? low : high) = middle;
+  }
+  const double flight = time - fall - low;
+  CHECK_GT(flight, 0.0);
+  Vector state(2);
+  state << -1.0 + v(low) * flight - 0.5 * g * flight * flight,
+      v(low) - g * flight;
+  return state;
+}
+
+class BouncingBall : public ::testing::Test {
+ protected:
+  static constexpr int kSamples = 161;
+
+  SegmentTangents Propagate(const StructuralDynamics& dynamics,
+                            SegmentColumns columns, int substeps = 10) {
+    StructuralDynamics::Prepared prepared;
+    std::string error;
+    EXPECT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
+    const ObservationMap observation(
+        dynamics, {{"x", Quantity::kDisplacement, Vector::Unit(1, 0)}});
+    const IntegrationGrid grid(0.0, kSamplingStep, kSamples, substeps);
+    SegmentPropagator propagator(dynamics, DerivativeMethod::kTangents);
+    SegmentTangents result;
+    EXPECT_TRUE(propagator.Propagate(prepared, observation, grid,
+                                     Vector::Zero(2), 0, kSamples - 1, true,
+                                     columns, &result));
+    return result;
+  }
+
+  const Vector values_ = (Vector(3) << -9.0, 5000.0, 15.0).finished();
+  const double time_ = kSamplingStep * (kSamples - 1);
+};
+
+TEST_F(BouncingBall, StepsKeepTheirOrder) {
+  const Vector truth = ClosedForm(values_, time_);
+  const auto ball = MakeBall(values_);
+  const auto error = [&](int substeps) {
+    return (Propagate(*ball, SegmentColumns::kNone, substeps).end_state - truth)
+        .norm();
+  };
+  EXPECT_LT(error(10), 1e-7);
+  // Order four: plain steps across the jump have order one.
+  const double rate = std::log2(error(2) / error(4));
+  EXPECT_GT(rate, 3.5);
+  EXPECT_LT(rate, 4.7);
+}
+
+TEST_F(BouncingBall, SensitivitiesGoThroughTheJumps) {
+  const auto ball = MakeBall(values_);
+  const SegmentTangents tangents = Propagate(*ball, SegmentColumns::kAll);
+  for (int p = 0; p < 3; ++p) {
+    const double step = 1e-5 * std::abs(values_[p]);
+    Vector more = values_;
+    Vector less = values_;
+    more[p] += step;
+    less[p] -= step;
+    const Vector slope =
+        (ClosedForm(more, time_) - ClosedForm(less, time_)) / (2.0 * step);
+    EXPECT_LT((tangents.end_sensitivity.col(2 + p) - slope).norm(),
+              1e-5 * slope.norm())
+        << p;
+  }
+  // The free run and the tangents go the same way.
+  const SegmentTangents run = Propagate(*ball, SegmentColumns::kNone);
+  EXPECT_LT((run.channels - tangents.channels).norm(), 1e-12);
+}
+
+TEST(SwitchedStep, FrictionThatSticksIsAPlainStep) {
+  // Dry friction brings the mass to rest, where the sign has no branch that
+  // leads through zero.
+  const auto mass = MakeMass({"-sign(v[u])"}, {2.0});
+  StructuralDynamics::Prepared prepared;
+  std::string error;
+  ASSERT_TRUE(mass->Prepare(mass->Parameters(), &prepared, &error));
+  const ObservationMap observation(
+      *mass, {{"v", Quantity::kVelocity, Vector::Unit(1, 0)}});
+  const IntegrationGrid grid(0.0, 0.01, 101, 1);
+  Trajectory trajectory;
+  Vector start(2);
+  start << 0.0, 1.0;
+  ASSERT_TRUE(
+      FreeRun(*mass, prepared, observation, grid, start, 0, 100, &trajectory));
+  // It stops after 0.5 s and 0.25.
+  EXPECT_NEAR(trajectory.channels(0, 25), 0.5, 1e-12);
+  EXPECT_NEAR(trajectory.channels(0, 100), 0.0, 0.02);
+  EXPECT_NEAR(trajectory.states(0, 100), 0.25, 0.01);
+}
+
+TEST(SwitchedStep, LinearMotionHasNoPieces) {
+  const auto spring = MakeMass({"-x[u]"}, {4.0});
+  EXPECT_EQ(spring->num_switches(), 0);
+  EXPECT_EQ(MakeBall((Vector(3) << -9.0, 1.0, 1.0).finished())->num_switches(),
+            2);
+}
+
+}  // namespace
+}  // namespace pinode
