@@ -147,7 +147,12 @@ void LibraryFunction::FindSwitches() {
 void LibraryFunction::Switches(const double* q, double* values) const {
   if (switches_.empty()) return;
   std::array<double, kMaxOperations> all;
-  Forward(q, nullptr, all.data());
+  // Operations behind the last switch do not matter.
+  for (size_t i = 0; i < static_cast<size_t>(switches_.back()); ++i) {
+    const Operation& operation = operations_[i];
+    all[i] = operation.code == Code::kFeature ? q[operation.index]
+                                              : Apply(operation, all.data());
+  }
   for (const int i : switches_) {
     const Operation& operation = operations_[static_cast<size_t>(i)];
     const auto at = [&all](int index) {

@@ -299,6 +299,33 @@ TEST(LibraryFunction, RefusesWhatIsTooLong) {
   EXPECT_THAT(error, HasSubstr("longer than"));
 }
 
+TEST(LibraryFunction, SwitchesHaveValuesGradientsAndBranches) {
+  const LibraryFunction function =
+      Parsed("(x[u1]^2 < 3*v[u1] ? x[u1] : 2*v[u1]) + 5*sign(v[u1])");
+  ASSERT_EQ(function.num_switches(), 2);
+  EXPECT_EQ(Parsed("x[u1]^3").num_switches(), 0);
+  const double q[] = {0.5, 1.5, 0.0, 0.0, 0.0};
+  double values[2];
+  function.Switches(q, values);
+  EXPECT_DOUBLE_EQ(values[0], 0.25 - 4.5);
+  EXPECT_DOUBLE_EQ(values[1], 1.5);
+  double gradient[5];
+  function.SwitchGradient(0, q, gradient);
+  EXPECT_DOUBLE_EQ(gradient[0], 1.0);  // 2 x
+  EXPECT_DOUBLE_EQ(gradient[1], -3.0);
+  EXPECT_EQ(gradient[2], 0.0);
+
+  // The branches at q, and the opposite ones.
+  const char here[] = {0, 1};
+  const char there[] = {1, 0};
+  EXPECT_DOUBLE_EQ(function.Evaluate(q), 0.5 + 5.0);
+  EXPECT_DOUBLE_EQ(function.Evaluate(q, here), 0.5 + 5.0);
+  EXPECT_DOUBLE_EQ(function.Evaluate(q, there), 3.0 - 5.0);
+  EXPECT_DOUBLE_EQ(function.Linearize(q, gradient, there), 3.0 - 5.0);
+  EXPECT_EQ(gradient[0], 0.0);
+  EXPECT_DOUBLE_EQ(gradient[1], 2.0);
+}
+
 TEST(LibraryFunction, IsSafeToShareBetweenThreads) {
   const LibraryFunction function = Parsed("sin(x[u1])*x[u1]^3 + exp(v[u1])");
   std::atomic<int> wrong{0};

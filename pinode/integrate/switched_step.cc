@@ -55,6 +55,20 @@ void SwitchedStep::Begin(const StructuralDynamics::Prepared& prepared,
   TakeBranches();
 }
 
+bool SwitchedStep::MayEndAt(const StructuralDynamics::Prepared& prepared,
+                            double time, const double* input,
+                            const Vector& state) {
+  dynamics_.Switches(prepared, time, input, state.data(), switches_.data());
+  return Agree();
+}
+
+bool SwitchedStep::Agree() const {
+  for (int j = 0; j < dynamics_.num_switches(); ++j) {
+    if (!Agrees(j, branches_)) return false;
+  }
+  return true;
+}
+
 void SwitchedStep::NodesOf(const IntegrationGrid& grid, Eigen::Index interval,
                            int substep, const Piece& piece, Nodes* nodes) {
   const double dt = grid.step();
@@ -200,11 +214,7 @@ void SwitchedStep::Step(const StructuralDynamics::Prepared& prepared,
     trial_ = *state;
     Run(whole, piece, &trial_);
     SwitchesAt(whole, piece, trial_);
-    bool agree = true;
-    for (int j = 0; j < dynamics_.num_switches(); ++j) {
-      agree = agree && Agrees(j, branches_);
-    }
-    if (agree) {
+    if (Agree()) {
       *state = trial_;
       pieces_.push_back(std::move(piece));
       return;

@@ -60,6 +60,13 @@ class SwitchedStep {
   void Begin(const StructuralDynamics::Prepared& prepared, double time,
              const double* input, const double* state);
 
+  // Branches at the beginning of the next step, one entry per switch.
+  const std::vector<char>& branches() const { return branches_; }
+  // Returns true if a step on these branches may end in `state`: no switch has
+  // changed its sign.
+  bool MayEndAt(const StructuralDynamics::Prepared& prepared, double time,
+                const double* input, const Vector& state);
+
   // Advances *state by one step and lists its pieces.
   void Step(const StructuralDynamics::Prepared& prepared,
             const IntegrationGrid& grid, Eigen::Index interval, int substep,
@@ -100,6 +107,8 @@ class SwitchedStep {
     return branches[static_cast<size_t>(j)] != 0 ? !(value < 0.0)
                                                  : !(value > 0.0);
   }
+  // True if all signs in switches_ agree with branches_.
+  bool Agree() const;
   void TakeBranches();
 
   const StructuralDynamics& dynamics_;

@@ -83,7 +83,22 @@ void TangentStep::StepInPieces(const StructuralDynamics::Prepared& prepared,
                                Eigen::Index interval, int substep,
                                bool with_parameters, Vector* state,
                                Matrix* sensitivity) {
-  Vector end = *state;
+  // Most steps have one piece. If this one has more, it is done again.
+  const Vector start = *state;
+  const Span whole{grid.step_time(interval, substep), grid.step(),
+                   grid.AtNode(interval, substep, 0),
+                   grid.AtNode(interval, substep, 1),
+                   grid.AtNode(interval, substep, 2)};
+  SetBranches(switched_->branches().data());
+  StepOver(prepared, whole, false, with_parameters, state, sensitivity);
+  if (switched_->MayEndAt(prepared, whole.time + whole.duration, whole.end,
+                          *state)) {
+    SetBranches(nullptr);
+    return;
+  }
+  *state = start;
+  sensitivity->swap(next_);  // StepOver leaves the former one there
+  Vector end = start;
   switched_->Step(prepared, grid, interval, substep, &end);
   const std::vector<SwitchedStep::Piece>& pieces = switched_->pieces();
   SwitchedStep::Nodes nodes;
