@@ -206,6 +206,33 @@ bool ReadGroupTables(const std::string& path,
   return true;
 }
 
+// Checks that the baseline's matrices have the DOFs of the case in the same
+// order. A text without a list of DOFs passes.
+bool HasSameOrder(const std::string& path, const StructuralModel& model,
+                  std::string* error) {
+  std::string text;
+  TomlValue root;
+  if (!ReadTextFile(path, &text, error) ||
+      !ParseToml(text, path, &root, error)) {
+    return false;
+  }
+  const TomlValue* table = root.Find("model");
+  const TomlValue* dofs = table != nullptr ? table->Find("dofs") : nullptr;
+  if (dofs == nullptr || dofs->type != TomlValue::Type::kArray) return true;
+  std::vector<std::string> names;
+  for (const TomlValue& dof : dofs->elements) names.push_back(dof.text);
+  if (names == model.dof_names || names.size() != model.dof_names.size() ||
+      !std::is_permutation(names.begin(), names.end(),
+                           model.dof_names.begin())) {
+    return true;
+  }
+  *error = path +
+           ": has the DOFs of the case in another order. Name them in the same "
+           "order in both cases, then run pinode_update on the baseline's case "
+           "again";
+  return false;
+}
+
 // Returns the shares of the groups in the matrices of the baseline's own case,
 // minus one. In its model.toml, whose groups begin at zero again, these include
 // `values`.
@@ -329,6 +356,10 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   if (!ReadResult(path("result.json"), &result, error)) return false;
 
   // The same groups of the same structure.
+  if (!RenewsBasis(c) &&
+      !HasSameOrder(path("model.toml"), dynamics.model(), error)) {
+    return false;
+  }
   std::vector<int> rows;
   Vector values(static_cast<Eigen::Index>(names.size()));
   for (size_t i = 0; i < names.size(); ++i) {

@@ -235,7 +235,41 @@ class SectionReader {
       }
     }
     if (kept.empty()) KeepShapes(&kept);
+    if (structure_.is_reduced && !HasMatrixOfCoordinates()) SortAsExported();
     return true;
+  }
+
+  // True if the case gives a matrix by the positions of the kept DOFs: their
+  // order is then the user's.
+  bool HasMatrixOfCoordinates() const {
+    const TomlValue* damping = model_table_.Find("damping");
+    if (damping != nullptr && damping->type != TomlValue::Type::kString &&
+        !(damping->IsTable() && (damping->Find("rayleigh") != nullptr ||
+                                 damping->Find("ratios") != nullptr))) {
+      return true;
+    }
+    const TomlValue* groups = root_.Find("group");
+    return groups != nullptr && groups->IsArrayOfTables() &&
+           std::any_of(groups->elements.begin(), groups->elements.end(),
+                       [](const TomlValue& group) {
+                         return group.Find("matrix") != nullptr;
+                       });
+  }
+
+  // Sorts the kept DOFs as in the export. Two cases of one structure may name
+  // them in different orders; their matrices can then still be compared.
+  void SortAsExported() {
+    std::vector<std::string>& kept = structure_.options.kept_dofs;
+    std::vector<std::pair<int, std::string>> places;
+    for (std::string& name : kept) {
+      places.emplace_back(structure_.model.DofIndex(name), std::move(name));
+    }
+    std::stable_sort(
+        places.begin(), places.end(),
+        [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (size_t i = 0; i < places.size(); ++i) {
+      kept[i] = std::move(places[i].second);
+    }
   }
 
   // Modes alone: keeps the DOFs of their shapes. A mode's shape may be in a

@@ -26,7 +26,6 @@ constexpr const char* kCase = kRodCase;
 TEST_F(FiniteElementSectionTest, KeepsWhatTheCaseNames) {
   const Case c = ReadOrFail(kCase);
   const StructuralModel& model = c.problem.dynamics->model();
-  // In the order in which the case names them: groups come first.
   ASSERT_THAT(model.dof_names, ElementsAre("4.1", "8.1"));
   // Springs in a row: three below the first sensor, four between the two.
   Matrix stiffness(2, 2);
@@ -290,9 +289,52 @@ TEST_F(FiniteElementSectionTest, CraigBamptonAddsCoordinates) {
       "method = \"craig_bampton\"\nmodes = 2\nkeep = [\"8.1\", \"4.1\"]\n"
       "compare = 3"));
   EXPECT_THAT(c.problem.dynamics->model().dof_names,
-              ElementsAre("8.1", "4.1", "q1", "q2"));
+              ElementsAre("4.1", "8.1", "q1", "q2"));
   ASSERT_EQ(c.finite_element->reduced.mac.size(), 3);
   EXPECT_LT(c.finite_element->reduced.frequency_error.maxCoeff(), 0.02);
+}
+
+// A baseline and a later case often list their sensors in different orders.
+TEST_F(FiniteElementSectionTest, OrderOfNamesIsWithoutMeaning) {
+  const std::string craig_bampton =
+      Replaced(kCase, "method = \"guyan\"",
+               "method = \"craig_bampton\"\nmodes = 2\nkeep = [KEPT]");
+  const auto matrices = [this](const std::string& text) {
+    const Case c = ReadOrFail(text);
+    const StructuralModel& model = c.problem.dynamics->model();
+    Matrix all(3 * model.num_dofs(), model.num_dofs());
+    all << model.mass, model.stiffness,
+        c.problem.dynamics->groups()[0].group.matrix;
+    return all;
+  };
+  const Matrix kept =
+      matrices(Replaced(craig_bampton, "KEPT", "\"4.1\", \"6.1\", \"8.1\""));
+  for (const char* order :
+       {"\"8.1\", \"4.1\", \"6.1\"", "\"6.1\", \"8.1\", \"4.1\""}) {
+    const Matrix other = matrices(Replaced(craig_bampton, "KEPT", order));
+    EXPECT_LT((other - kept).norm(), 1e-12 * kept.norm()) << order;
+  }
+  // Without `keep`, groups and sensors name the DOFs.
+  EXPECT_EQ(matrices(kCase),
+            matrices(Replaced(kCase, "between = [\"4.1\", \"8.1\"]",
+                              "between = [\"8.1\", \"4.1\"]")));
+}
+
+// A matrix over the coordinates counts them in the order of `keep`.
+TEST_F(FiniteElementSectionTest, MatricesOfCoordinatesKeepTheOrder) {
+  const std::string reversed =
+      Replaced(kCase, "method = \"guyan\"",
+               "method = \"guyan\"\nkeep = [\"8.1\", \"4.1\"]");
+  const std::string between = "between = [\"4.1\", \"8.1\"]\nscale = 100.0";
+  const Case of_group =
+      ReadOrFail(Replaced(reversed, between, "matrix = [[0, 0], [0, 50]]"));
+  EXPECT_THAT(of_group.problem.dynamics->model().dof_names,
+              ElementsAre("8.1", "4.1"));
+  const Case of_damping = ReadOrFail(Replaced(
+      reversed, "damping = {ratios = [0.02]}", "damping = [[1, 0], [0, 3]]"));
+  EXPECT_THAT(of_damping.problem.dynamics->model().dof_names,
+              ElementsAre("8.1", "4.1"));
+  EXPECT_EQ(of_damping.problem.dynamics->model().damping(1, 1), 3.0);
 }
 
 TEST_F(FiniteElementSectionTest, ModalTruncationHasSensorsToo) {
@@ -301,7 +343,7 @@ TEST_F(FiniteElementSectionTest, ModalTruncationHasSensorsToo) {
       "method = \"modal\"\nmodes = 4\nkeep = [\"8.1\", \"4.1\"]\ncompare = 4");
   Case c = ReadOrFail(text);
   EXPECT_THAT(c.problem.dynamics->model().dof_names,
-              ElementsAre("8.1", "4.1", "q1", "q2"));
+              ElementsAre("4.1", "8.1", "q1", "q2"));
   ASSERT_EQ(c.finite_element->reduced.mac.size(), 4);
   EXPECT_LT(c.finite_element->reduced.frequency_error.cwiseAbs().maxCoeff(),
             1e-9);
