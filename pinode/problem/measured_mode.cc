@@ -7,6 +7,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
+#include "pinode/problem/close_modes.h"
 #include "pinode/structure/model/assignment.h"
 #include "pinode/structure/model/modal_analysis.h"
 
@@ -56,6 +57,14 @@ Likeness Compare(const ModalData& data, const Vector& eigenvalues,
       const double ratio = std::sqrt(std::max(eigenvalues[j], 0.0)) / w;
       likeness.distances(i, j) =
           std::log(std::clamp(ratio, kLowestRatio, 1.0 / kLowestRatio));
+    }
+  }
+  for (const std::vector<int>& set : CloseModes(data)) {
+    const std::vector<int>& dofs =
+        data.modes[static_cast<size_t>(set.front())].dofs;
+    const Matrix span = UnitShapes(data, set);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      likeness.macs(set, j).setConstant(MacWithSpan(span, shapes(dofs, j)));
     }
   }
   return likeness;
@@ -256,6 +265,15 @@ std::vector<ModeMatch> MatchModes(const ModalData& data,
     match.mac = data.modes[static_cast<size_t>(i)].HasShape()
                     ? macs(i, match.mode)
                     : kNaN;
+  }
+  for (const std::vector<int>& set : CloseModes(data)) {
+    std::vector<int> found;
+    for (const int i : set) found.push_back(partners[static_cast<size_t>(i)]);
+    for (const int i : set) {
+      const MeasuredMode& mode = data.modes[static_cast<size_t>(i)];
+      matches[static_cast<size_t>(i)].mac =
+          MacWithSpan(shapes(mode.dofs, found), mode.shape);
+    }
   }
   return matches;
 }

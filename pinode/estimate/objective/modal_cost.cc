@@ -4,22 +4,16 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <sstream>
+#include <utility>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/estimate/objective/mode_slopes.h"
+#include "pinode/problem/close_modes.h"
 #include "pinode/structure/model/modal_analysis.h"
 
 namespace pinode {
 namespace {
-
-// Frequencies that differ by less than this (relative, in w^2) count as equal:
-// shapes carry the rounding of the matrices divided by it.
-constexpr double kSameFrequency = 1e-8;
-// Coupling of two modes that counts as zero, as a share of the matrix's effect
-// on either.
-constexpr double kUncoupled = 1e-8;
 
 // Returns (2 pi f)^2.
 double MeasuredEigenvalue(const MeasuredMode& mode) {
@@ -43,51 +37,6 @@ Matrix WithoutRow(const Rows& rows, int largest) {
   rest.bottomRows(rest.rows() - largest) =
       rows.bottomRows(rest.rows() - largest);
   return rest;
-}
-
-// Derivatives of a mode by columns: its eigenvalue, and its shape at DOFs.
-struct ModeSlopes {
-  RowVector eigenvalue;
-  Matrix shape;
-};
-
-// Differentiates a mode by the factor of one matrix in K or M. Returns false,
-// with a sentence, if there is no derivative.
-bool DifferentiateMode(const UndampedModes& modes, int j,
-                       const std::vector<int>& dofs, const Matrix& matrix,
-                       bool on_mass, int column, ModeSlopes* slopes,
-                       std::string* error) {
-  const int n = static_cast<int>(modes.eigenvalues.size());
-  const double rounding = 8.0 * n * std::numeric_limits<double>::epsilon() *
-                          modes.eigenvalues.cwiseAbs().maxCoeff();
-  const double eigenvalue = modes.eigenvalues[j];
-  const double factor = on_mass ? -eigenvalue : 1.0;
-  const Vector force = factor * (matrix * modes.shapes.col(j));
-  Vector parts = modes.shapes.transpose() * force;
-  slopes->eigenvalue[column] = parts[j];
-  for (int k = 0; k < n; ++k) {
-    const double distance = eigenvalue - modes.eigenvalues[k];
-    if (k == j ||
-        std::abs(distance) > rounding + kSameFrequency * std::abs(eigenvalue)) {
-      parts[k] = k == j ? 0.0 : parts[k] / distance;
-      continue;
-    }
-    const auto other = modes.shapes.col(k);
-    const double size = std::max(std::abs(parts[j]),
-                                 std::abs(factor * other.dot(matrix * other)));
-    if (std::abs(parts[k]) > kUncoupled * size) {
-      std::ostringstream message;
-      message << "modes " << std::min(j, k) + 1 << " and " << std::max(j, k) + 1
-              << " of the model have the same frequency, and a free group "
-                 "mixes their shapes. Derivatives do not exist. Start from "
-                 "slightly different values of the groups";
-      *error = message.str();
-      return false;
-    }
-    parts[k] = 0.0;
-  }
-  slopes->shape.col(column) = modes.shapes(dofs, Eigen::all) * parts;
-  return true;
 }
 
 // Returns the derivatives of x over its entry `largest`, without that entry.
@@ -216,8 +165,46 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
     }
     shapes_.push_back(std::move(shape));
   }
-  set_num_residuals(num_residuals);
+  AddCloseSets();
+  set_num_residuals(num_residuals + static_cast<int>(cross_weights_.size()));
   mutable_parameter_block_sizes()->push_back(layout.num_free());
+}
+
+void ModalCost::AddCloseSets() {
+  for (const std::vector<int>& modes : CloseModes(data_)) {
+    CloseSet set;
+    set.modes = modes;
+    set.dofs = data_.modes[static_cast<size_t>(modes.front())].dofs;
+    set.measured = UnitShapes(data_, modes);
+    const Eigen::Index size = set.measured.rows();
+    for (size_t a = 0; a < modes.size(); ++a) {
+      const MeasuredMode& mode = data_.modes[static_cast<size_t>(modes[a])];
+      Shape& shape = shapes_[static_cast<size_t>(modes[a])];
+      shape.in_close_set = true;
+      Matrix root = Matrix::Identity(size, size);
+      if (data_.form == ModalForm::kEigenvectorDifference &&
+          mode.shape_covariance.size() > 0) {
+        const Eigen::LLT<Matrix> factor(mode.shape_covariance /
+                                        mode.shape_covariance.trace());
+        root = factor.matrixL().solve(root);
+      }
+      set.roots.push_back(std::move(root));
+      // The parts of the others in it are unknowns of their own.
+      if (data_.form == ModalForm::kEigenvectorDifference) {
+        num_eliminated_ += static_cast<int>(modes.size()) - 1;
+      }
+      for (size_t b = a + 1; b < modes.size(); ++b) {
+        const MeasuredMode& other = data_.modes[static_cast<size_t>(modes[b])];
+        const double own = MeasuredEigenvalue(mode);
+        const double others = MeasuredEigenvalue(other);
+        cross_weights_.push_back(
+            2.0 / std::sqrt(std::pow(own - others, 2) +
+                            std::pow(own / EigenvalueWeight(mode), 2) +
+                            std::pow(others / EigenvalueWeight(other), 2)));
+      }
+    }
+    close_sets_.push_back(std::move(set));
+  }
 }
 
 bool ModalCost::Evaluate(const StructuralDynamics::Prepared& prepared,
@@ -294,17 +281,100 @@ bool ModalCost::Linearize(const Vector& free, CondensedSystem* system) {
   return true;
 }
 
+// Mode of the model beside a measured one.
+struct ModalCost::Partner {
+  double eigenvalue = 0.0;
+  Vector shape;  // at the measured DOFs
+  ModeSlopes slopes;
+};
+
+bool ModalCost::FindPartners(const UndampedModes& modes, size_t num_columns,
+                             std::vector<Partner>* partners,
+                             std::vector<Partner>* cross,
+                             std::string* error) const {
+  const std::vector<ModeMatch> matches =
+      MatchModes(data_, modes.eigenvalues, modes.shapes);
+  const auto count = static_cast<Eigen::Index>(num_columns);
+  partners->assign(data_.modes.size(), Partner());
+  for (const CloseSet& set : close_sets_) {
+    if (!FindTogether(set, modes, matches, num_columns, partners, cross,
+                      error)) {
+      return false;
+    }
+  }
+  for (size_t i = 0; i < data_.modes.size(); ++i) {
+    Partner& partner = (*partners)[i];
+    if (shapes_[i].in_close_set) continue;
+    const MeasuredMode& mode = data_.modes[i];
+    const int j = matches[i].mode;
+    partner.eigenvalue = modes.eigenvalues[j];
+    partner.shape = modes.shapes.col(j)(mode.dofs);
+    partner.slopes = {RowVector(count),
+                      Matrix(static_cast<int>(mode.dofs.size()), count)};
+    for (size_t c = 0; c < num_columns; ++c) {
+      if (!DifferentiateMode(modes, j, mode.dofs, *columns_[c].matrix,
+                             columns_[c].target == MatrixGroup::Target::kMass,
+                             static_cast<int>(c), &partner.slopes, error)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Appends to *cross what the modes of the set share, in the order of its pairs.
+bool ModalCost::FindTogether(const CloseSet& set, const UndampedModes& modes,
+                             const std::vector<ModeMatch>& matches,
+                             size_t num_columns, std::vector<Partner>* partners,
+                             std::vector<Partner>* cross,
+                             std::string* error) const {
+  std::vector<int> found;
+  for (const int i : set.modes) {
+    found.push_back(matches[static_cast<size_t>(i)].mode);
+  }
+  SpanComparison span(std::move(found), set.dofs, set.measured, set.roots);
+  if (!span.Compute(modes, error)) return false;
+  std::vector<SpanComparison::Slopes> slopes(num_columns);
+  for (size_t c = 0; c < num_columns; ++c) {
+    if (!span.Differentiate(modes, *columns_[c].matrix,
+                            columns_[c].target == MatrixGroup::Target::kMass,
+                            &slopes[c], error)) {
+      return false;
+    }
+  }
+  const auto at = [&](Eigen::Index a, Eigen::Index b) {
+    Partner partner;
+    partner.eigenvalue = span.squares()(a, b);
+    partner.shape = span.nearest().col(a);
+    const auto count = static_cast<Eigen::Index>(num_columns);
+    partner.slopes = {RowVector(count), Matrix(partner.shape.size(), count)};
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const SpanComparison::Slopes& own = slopes[static_cast<size_t>(c)];
+      partner.slopes.eigenvalue[c] = own.squares(a, b);
+      partner.slopes.shape.col(c) = own.nearest.col(a);
+    }
+    return partner;
+  };
+  const auto size = static_cast<Eigen::Index>(set.modes.size());
+  for (Eigen::Index a = 0; a < size; ++a) {
+    (*partners)[static_cast<size_t>(set.modes[static_cast<size_t>(a)])] =
+        at(a, a);
+    for (Eigen::Index b = a + 1; b < size; ++b) cross->push_back(at(a, b));
+  }
+  return true;
+}
+
 bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
                               Vector* residuals, Matrix* jacobian,
                               std::string* error) const {
   UndampedModes modes;
+  const size_t num_columns = jacobian == nullptr ? 0 : columns_.size();
+  std::vector<Partner> partners, cross;
   if (!ComputeUndampedModes(prepared.linear.mass, prepared.linear.stiffness,
-                            &modes, error)) {
+                            &modes, error) ||
+      !FindPartners(modes, num_columns, &partners, &cross, error)) {
     return false;
   }
-  const std::vector<ModeMatch> matches =
-      MatchModes(data_, modes.eigenvalues, modes.shapes);
-  const size_t num_columns = jacobian == nullptr ? 0 : columns_.size();
   const auto set_rows = [&](int row, const Matrix& slopes) {
     for (size_t c = 0; c < num_columns; ++c) {
       jacobian->col(columns_[c].free).segment(row, slopes.rows()) +=
@@ -315,25 +385,15 @@ bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
   for (size_t i = 0; i < data_.modes.size(); ++i) {
     const MeasuredMode& mode = data_.modes[i];
     const Shape& shape = shapes_[i];
-    const int j = matches[i].mode;
-    ModeSlopes slopes{RowVector(static_cast<int>(num_columns)),
-                      Matrix(static_cast<int>(mode.dofs.size()),
-                             static_cast<int>(num_columns))};
-    for (size_t c = 0; c < num_columns; ++c) {
-      const bool on_mass = columns_[c].target == MatrixGroup::Target::kMass;
-      if (!DifferentiateMode(modes, j, mode.dofs, *columns_[c].matrix, on_mass,
-                             static_cast<int>(c), &slopes, error)) {
-        return false;
-      }
-    }
+    const Vector& x = partners[i].shape;
+    const ModeSlopes& slopes = partners[i].slopes;
     const double weight = EigenvalueWeight(mode);
     const double measured = MeasuredEigenvalue(mode);
-    (*residuals)[row] = weight * (1.0 - modes.eigenvalues[j] / measured);
+    (*residuals)[row] = weight * (1.0 - partners[i].eigenvalue / measured);
     set_rows(row, -weight / measured * slopes.eigenvalue);
     ++row;
     if (!mode.HasShape()) continue;
 
-    const Vector x = modes.shapes.col(j)(mode.dofs);
     if (data_.form == ModalForm::kMac) {
       RowVector by_column;
       (*residuals)[row] =
@@ -356,6 +416,11 @@ bool ModalCost::EvaluateModes(const StructuralDynamics::Prepared& prepared,
       set_rows(row, shape.weight_root * off_slopes);
       row += static_cast<int>(count);
     }
+  }
+  for (size_t i = 0; i < cross.size(); ++i) {
+    (*residuals)[row] = cross_weights_[i] * cross[i].eigenvalue;
+    set_rows(row, cross_weights_[i] * cross[i].slopes.eigenvalue);
+    ++row;
   }
   return true;
 }

@@ -10,6 +10,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/dynamics/structural_dynamics.h"
+#include "pinode/estimate/objective/span_comparison.h"
 #include "pinode/estimate/solver/cost_part.h"
 #include "pinode/problem/measured_mode.h"
 #include "pinode/problem/parameter_layout.h"
@@ -43,6 +44,13 @@ std::vector<bool> ModesInUse(const ModalData& data,
 // dynamic residual, the unmeasured part of a shape is projected out with its
 // full derivative (G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973)
 // 413-432).
+//
+// CloseModes are compared by SpanComparison: x_i and G_ii replace the shape and
+// the eigenvalue of the partner. One more residual per pair is G_ij over its
+// deviation. G has the measured eigenvalues l_i, with deviations s_i, in a
+// frame that may be turned against the measured one by any angle; G_ij is then
+// at most half of their distance, (l_i - l_j) / 2 with the deviation
+// (s_i^2 + s_j^2)^(1/2) / 2.
 class ModalCost final : public ceres::CostFunction, public CostPart {
  public:
   // Keeps a reference to `layout`, which must outlive this object. `data` must
@@ -63,7 +71,7 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   // - M is not positive definite,
   // - a residual is not finite (a shape orthogonal to the measured one), or
   // - a requested derivative does not exist: that of one of two modes with the
-  //   same frequency that a free group mixes.
+  //   same frequency that a free group mixes, and that are no CloseModes.
   [[nodiscard]] bool Evaluate(const StructuralDynamics::Prepared& prepared,
                               Vector* residuals, Matrix* jacobian,
                               std::string* error) const;
@@ -94,7 +102,25 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
     // frequency. Empty: zero.
     Vector by_frequency;
     std::vector<int> unmeasured;
+    bool in_close_set = false;
   };
+  // Modes compared by their span, see SpanComparison.
+  struct CloseSet {
+    std::vector<int> modes;
+    std::vector<int> dofs;
+    Matrix measured;
+    std::vector<Matrix> roots;
+  };
+  struct Partner;
+
+  void AddCloseSets();
+  bool FindPartners(const UndampedModes& modes, size_t num_columns,
+                    std::vector<Partner>* partners, std::vector<Partner>* cross,
+                    std::string* error) const;
+  bool FindTogether(const CloseSet& set, const UndampedModes& modes,
+                    const std::vector<ModeMatch>& matches, size_t num_columns,
+                    std::vector<Partner>* partners, std::vector<Partner>* cross,
+                    std::string* error) const;
 
   bool EvaluateModes(const StructuralDynamics::Prepared& prepared,
                      Vector* residuals, Matrix* jacobian,
@@ -112,6 +138,8 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   const ParameterLayout& layout_;
   std::vector<Column> columns_;
   std::vector<Shape> shapes_;  // one per mode
+  std::vector<CloseSet> close_sets_;
+  std::vector<double> cross_weights_;  // of the pairs, in the order of the sets
   int num_eliminated_ = 0;
   mutable std::string failure_;
 };

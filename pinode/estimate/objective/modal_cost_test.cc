@@ -370,6 +370,106 @@ TEST(ModalCost, IsSmoothWhereModesCross) {
   EXPECT_NEAR(setup.Jacobian(Vector::Zero(2))(2, 1), -1.0 / measured, 1e-12);
 }
 
+// Two storeys that sway alike in x and y (DOFs x1, x2, y1, y2), with groups
+// that split the pairs of modes, turn them, and change masses.
+ModalSetup MakeSquareTower(double split, double turn, double shape_angle) {
+  const StructuralModel chain = testing::MakeChain(2, 40.0, 0.0);
+  Matrix mass = Matrix::Zero(4, 4), stiffness = Matrix::Zero(4, 4);
+  for (const int first : {0, 2}) {
+    mass.block(first, first, 2, 2) = chain.mass;
+    stiffness.block(first, first, 2, 2) = chain.stiffness;
+  }
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      MakeStructuralModel(mass, Matrix::Zero(4, 4), stiffness),
+      std::vector<InputSpec>{});
+  std::string error;
+  using Target = MatrixGroup::Target;
+  for (const GroupTerm& term :
+       {Group("kx", Target::kStiffness, 40.0 * SpringMatrix(4, -1, 0), split),
+        Group("ky", Target::kStiffness, 40.0 * SpringMatrix(4, 2, 3)),
+        Group("kxy", Target::kStiffness, 40.0 * SpringMatrix(4, 1, 3), turn),
+        Group("my", Target::kMass, mass.row(3).transpose() * mass.row(3))}) {
+    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  ModalSetup setup(dynamics);
+  UndampedModes modes;
+  EXPECT_TRUE(ComputeUndampedModes(chain.mass, chain.stiffness, &modes, &error))
+      << error;
+  for (const int m : {0, 1}) {
+    Matrix pair = Matrix::Zero(4, 2);
+    pair.col(0).head(2) = pair.col(1).tail(2) = modes.shapes.col(m);
+    Matrix rotation(2, 2);
+    rotation << std::cos(shape_angle), -std::sin(shape_angle),
+        std::sin(shape_angle), std::cos(shape_angle);
+    const Matrix measured = pair * rotation;
+    for (int i = 0; i < 2; ++i) {
+      MeasuredMode mode;
+      mode.frequency = std::sqrt(modes.eigenvalues[m]) / kTwoPi;
+      mode.frequency_sigma = 0.01 * mode.frequency;
+      mode.dofs = {0, 1, 2, 3};
+      mode.shape = measured.col(i);
+      mode.shape_sigma = 0.02;
+      setup.problem.modal.modes.push_back(mode);
+    }
+  }
+  return setup;
+}
+
+// A pair of one frequency may be measured at any angle.
+TEST(ModalCost, CloseModesAreComparedByTheirSpan) {
+  const ModalSetup setup = MakeSquareTower(0.0, 0.0, 0.6);
+  const Vector zero = Vector::Zero(4);
+  const Vector residuals = setup.Residuals(zero);
+  ASSERT_EQ(residuals.size(), 4 * 4 + 2);
+  EXPECT_LT(residuals.cwiseAbs().maxCoeff(), 1e-6);
+  // A split of the first pair by x -> (1 + s) x, seen at the angle a: G has
+  // l (1 + s cos^2 a), l (1 + s sin^2 a) and l s sin a cos a.
+  Vector free = zero;
+  free[0] = 1e-4;
+  const Vector moved = setup.Residuals(free);
+  const double x = moved[0] / (50.0 * std::pow(std::cos(0.6), 2));
+  EXPECT_NEAR(moved[4] / (50.0 * std::pow(std::sin(0.6), 2)), x, 1e-3 * -x);
+  EXPECT_NEAR(moved[16],
+              std::sqrt(2.0) * 50.0 * x * std::sin(0.6) * std::cos(0.6),
+              1e-3 * -x * 50.0);
+}
+
+TEST(ModalCost, DerivativesOfCloseModesMatchRiddersDifferences) {
+  for (const ModalForm form :
+       {ModalForm::kMac, ModalForm::kEigenvectorDifference}) {
+    // Exactly equal, almost equal, and turned modes of the model.
+    for (const double split : {0.0, 1e-7, 0.01}) {
+      for (const bool with_covariance : {false, true}) {
+        ModalSetup setup = MakeSquareTower(split, 0.3 * split, 0.4);
+        setup.problem.modal.form = form;
+        for (MeasuredMode& mode : setup.problem.modal.modes) {
+          mode.shape[1] += 0.1 * mode.shape.norm();
+          if (form == ModalForm::kMac || with_covariance) {
+            mode.shape_sigma = 0.0;
+          }
+          if (form == ModalForm::kMac || !with_covariance) continue;
+          mode.shape_covariance =
+              1e-3 * Vector::LinSpaced(4, 1.0, 4.0).asDiagonal();
+        }
+        const Vector free = setup.InitialFree();
+        const Matrix jacobian = setup.Jacobian(free);
+        for (int j = 0; j < free.size(); ++j) {
+          const Vector expected = testing::Differentiate(
+              [&](double h) {
+                Vector moved = free;
+                moved[j] += h;
+                return setup.Residuals(moved);
+              },
+              1e-2);
+          EXPECT_LT((jacobian.col(j) - expected).cwiseAbs().maxCoeff(),
+                    1e-6 * std::max(1.0, expected.cwiseAbs().maxCoeff()))
+              << ModalFormName(form) << " " << split << " " << j;
+        }
+      }
+    }
+  }
+}
+
 TEST(ModalCost, RefusesModesOfOneFrequencyThatAGroupMixes) {
   auto dynamics = std::make_shared<StructuralDynamics>(
       MakeStructuralModel(Matrix::Identity(2, 2), Matrix::Zero(2, 2),

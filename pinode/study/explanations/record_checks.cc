@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/close_modes.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/structure/model/modal_analysis.h"
@@ -206,6 +209,60 @@ void CheckDamping(const IdentificationProblem& problem,
   CheckDampers(before, after, findings);
 }
 
+// Measured shapes that are like no mode of the fitted model. A fit that used
+// one would have moved parameters to meet noise.
+void CheckForeignShapes(const IdentificationProblem& problem,
+                        const IdentifiedModel& model, Findings* findings) {
+  const StructuralDynamics dynamics =
+      AveragedDynamics(problem.modal, *problem.dynamics);
+  const StructuralModel after =
+      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
+  UndampedModes modes;
+  std::string unused;
+  if (problem.modal.empty() ||
+      !ComputeUndampedModes(after.mass, after.stiffness, &modes, &unused)) {
+    return;
+  }
+  std::vector<std::string> names;
+  double least = 1.0;
+  std::vector<double> best(problem.modal.modes.size(), 0.0);
+  for (size_t i = 0; i < best.size(); ++i) {
+    const MeasuredMode& mode = problem.modal.modes[i];
+    if (!mode.HasShape()) continue;
+    for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
+      best[i] = std::max(best[i], Mac(mode.shape, modes.shapes(mode.dofs, j)));
+    }
+  }
+  // Any turn of close modes is possible: their span counts.
+  for (const std::vector<int>& set : CloseModes(problem.modal)) {
+    const Matrix span = UnitShapes(problem.modal, set);
+    const std::vector<int>& dofs =
+        problem.modal.modes[static_cast<size_t>(set.front())].dofs;
+    for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
+      const double mac = MacWithSpan(span, modes.shapes(dofs, j));
+      for (const int i : set) {
+        double& own = best[static_cast<size_t>(i)];
+        own = std::max(own, mac);
+      }
+    }
+  }
+  for (size_t i = 0; i < best.size(); ++i) {
+    const MeasuredMode& mode = problem.modal.modes[i];
+    if (!mode.HasShape() || best[i] >= kLeastPairProfit) continue;
+    names.push_back(mode.name.empty() ? std::to_string(i + 1) : mode.name);
+    least = std::min(least, best[i]);
+  }
+  if (names.empty()) return;
+  findings->push_back(
+      {"shape_like_no_mode",
+       "the shape of measured mode '" + Join(names, "', '") +
+           "' is like no mode of the updated model (largest MAC " +
+           FormatNumber(least, 2) + "): it may be noise",
+       least, kLeastPairProfit,
+       "leave the mode out, or check the places and signs of its sensors",
+       Grade::kWithCare});
+}
+
 }  // namespace
 
 std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
@@ -221,6 +278,7 @@ std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
   CheckPriors(problem, fit, &findings);
   CheckSizes(problem, fit, &findings);
   CheckDamping(problem, model, &findings);
+  CheckForeignShapes(problem, model, &findings);
   return findings;
 }
 
