@@ -114,13 +114,17 @@ class Report {
       if (!(explanation.shift > limits::kShiftByExplanation)) continue;
       result->findings.push_back(
           {"another_explanation",
-           explanation.what + " would describe the " +
-               (IsOfModes(problem_) ? "modes" : "records") + " better, with " +
-               MovedValue(explanation, refits_[i]),
+           explanation.what + " would describe the " + DataName() +
+               " better, with " + MovedValue(explanation, refits_[i]),
            explanation.shift, limits::kShiftByExplanation,
            "check it, or leave it free in the model", Grade::kWithCare});
       break;
     }
+  }
+
+  std::string DataName() const {
+    if (problem_.modal.modes.empty()) return "records";
+    return IsOfModes(problem_) ? "modes" : "records and modes";
   }
 
   // "'k1' at -0.102 instead of -0.0519", of the parameter that it moves most,
@@ -196,11 +200,13 @@ class Report {
     return result;
   }
 
-  // Squared error of what is fitted: records, or measured modes alone.
+  // Squared error of what is fitted: records, modes in standard deviations, and
+  // the chi^2 of ambient records.
   static double ErrorOf(const FitSummary& fit) {
-    return SquaredError(fit) + (std::isfinite(fit.final_modal_cost)
-                                    ? 2.0 * fit.final_modal_cost
-                                    : 0.0);
+    double sum = SquaredError(fit);
+    if (std::isfinite(fit.final_modal_cost)) sum += 2.0 * fit.final_modal_cost;
+    for (const AmbientScore& score : fit.ambient) sum += score.chi_square;
+    return sum;
   }
 
   // Unexplained motion, as Explanation::leaves.
@@ -365,12 +371,22 @@ Explained Explain(const IdentificationProblem& problem,
       CommunicatorOrSingle(options.communicator).size() == 1) {
     return ExplainModes(problem, options, fit, model, inner);
   }
-  if (!CanExplain(problem, options)) return {};
+  const bool has_records = problem.num_train_records() > 0;
+  const bool has_modes = !problem.modal.modes.empty();
+  // Weights of modes that are no standard deviations have no likelihood.
+  if ((!has_records && problem.ambient.empty()) ||
+      (has_modes && !problem.modal.HasSigmasOfAll()) ||
+      CommunicatorOrSingle(options.communicator).size() > 1) {
+    return {};
+  }
   RefitSearch search(problem, options, fit, model, inner);
   if (!search.Run()) return {};
+  SuspectScores scores = search.scores();
+  // Suspects of usual size together are for residuals in time.
+  if (!CanExplain(problem, options)) scores.usual_shifts.resize(0);
   Explained result =
-      Report(problem, fit, search.suspects(), search.scores(), search.refits())
-          .Make();
+      Report(problem, fit, search.suspects(), scores, search.refits()).Make();
+  if (!CanExplain(problem, options)) return result;
   BlockEstimates blocks;
   if (EstimateBlocks(problem, fit, model, options.num_threads, &blocks)) {
     WidenByBlocks(blocks, fit, problem, &result.intervals);

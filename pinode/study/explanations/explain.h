@@ -28,8 +28,9 @@ struct Explained {
   std::vector<ForceEstimate> forces;
 };
 
-// True for problems of records, whose suspects have scores: without
-// measured modes and ambient records, and not on several ranks.
+// True for problems of records alone, whose intervals can be widened by the
+// scores of suspects and by blocks: without measured modes and ambient records,
+// and not on several ranks.
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options);
 
@@ -44,8 +45,11 @@ bool CanExplain(const IdentificationProblem& problem,
 // with the number of samples N_c and RMS errors e_c, e'_c of each fitted
 // channel before and after, and the memory m of the residuals of the refit
 // (mean autocorrelation time, in samples): Schwarz's criterion (G. Schwarz,
-// Ann. Statist. 6 (1978) 461-464). Measured modes alone are explained by
-// ModesSearch. Other problems have no explanations.
+// Ann. Statist. 6 (1978) 461-464). Ambient records and measured modes beside
+// records add the gain of their own log-likelihood; that of an ambient record
+// is divided by the refit's chi^2 per degree of freedom, if this is above 1.
+// Measured modes alone are explained by ModesSearch. Modes without standard
+// deviations have no likelihood, and problems with them no explanations.
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner);

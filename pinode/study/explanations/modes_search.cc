@@ -7,6 +7,9 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/estimate/objective/modal_cost.h"
+#include "pinode/problem/close_modes.h"
+#include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/catalogue.h"
 #include "pinode/study/problem/growth.h"
@@ -18,12 +21,54 @@ namespace {
 // Number of suspects together.
 constexpr size_t kMostTogether = 2;
 
-int NumbersOf(const MeasuredMode& mode) {
-  // A shape has no scale.
-  return 1 + (mode.HasShape() ? static_cast<int>(mode.shape.size()) - 1 : 0);
+// Squared errors above which a mode may be wrong, as a multiple of what its
+// standard deviations allow.
+constexpr double kWorst = 4.0;
+
+Suspect LeftOut(const IdentificationProblem& problem, size_t i) {
+  const MeasuredMode& mode = problem.modal.modes[i];
+  Suspect suspect;
+  suspect.kind = Suspect::Kind::kMode;
+  suspect.place = mode.name.empty() ? std::to_string(i + 1) : mode.name;
+  suspect.what = "mode " + suspect.place + " (" +
+                 FormatNumber(mode.frequency, 4) +
+                 ") misread or mistaken for another";
+  suspect.left_out_modes = {static_cast<int>(i)};
+  return suspect;
 }
 
 }  // namespace
+
+int NumbersOf(const MeasuredMode& mode) {
+  return 1 + (mode.HasShape() ? static_cast<int>(mode.shape.size()) - 1 : 0);
+}
+
+std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
+                                const FitSummary& fit,
+                                const IdentifiedModel& model, size_t most) {
+  std::vector<std::pair<double, size_t>> ranked;
+  const ParameterLayout layout(problem);
+  if (!problem.modal.HasSigmasOfAll()) return {};
+  size_t in_use = 0;
+  for (size_t i = 0; i < fit.modes.size(); ++i) {
+    if (!fit.modes[i].InUse()) continue;
+    ++in_use;
+    std::vector<bool> only(fit.modes.size(), false);
+    only[i] = true;
+    ModalCost own(OnlyModes(problem.modal, only), *problem.dynamics, layout);
+    double cost = 0.0;
+    if (!own.Evaluate(layout.Free(model.parameters), &cost)) continue;
+    const double worse = 2.0 * cost / NumbersOf(problem.modal.modes[i]);
+    if (worse > kWorst) ranked.emplace_back(-worse, i);
+  }
+  if (in_use < 2) return {};
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<Suspect> suspects;
+  for (const auto& [unused, i] : ranked) {
+    if (suspects.size() < most) suspects.push_back(LeftOut(problem, i));
+  }
+  return suspects;
+}
 
 bool IsOfModes(const IdentificationProblem& problem) {
   return problem.num_train_records() == 0 && problem.ambient.empty() &&
@@ -51,6 +96,12 @@ ModesSearch::ModesSearch(const IdentificationProblem& problem,
   for (size_t i = 0; i < fit.modes.size(); ++i) {
     if (fit.modes[i].InUse())
       num_measured_ += NumbersOf(problem.modal.modes[i]);
+  }
+  // Each pair of close modes has one number less: the angle between the two.
+  for (const std::vector<int>& set : CloseModes(OnlyModes(
+           problem.modal, ModesInUse(problem.modal, *problem.dynamics)))) {
+    const int size = static_cast<int>(set.size());
+    num_measured_ -= size * (size - 1) / 2;
   }
   left_ = std::max(1.0, num_measured_ - fit.effective_parameters);
 }
@@ -92,15 +143,7 @@ void ModesSearch::AddModes() {
   for (const ModeScore& score : fit_.modes) in_use += score.InUse() ? 1 : 0;
   for (size_t i = 0; i < fit_.modes.size() && in_use > 1; ++i) {
     if (!fit_.modes[i].InUse()) continue;
-    Suspect suspect;
-    suspect.kind = Suspect::Kind::kMode;
-    suspect.place = problem_.modal.modes[i].name;
-    if (suspect.place.empty()) suspect.place = std::to_string(i + 1);
-    suspect.what = "mode " + suspect.place + " (" +
-                   FormatNumber(problem_.modal.modes[i].frequency, 4) +
-                   ") misread or mistaken for another";
-    suspect.left_out_modes = {static_cast<int>(i)};
-    suspects_.push_back(std::move(suspect));
+    suspects_.push_back(LeftOut(problem_, i));
   }
 }
 

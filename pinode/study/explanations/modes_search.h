@@ -20,6 +20,16 @@ namespace pinode {
 // True for problems of measured modes alone, all with standard deviations.
 bool IsOfModes(const IdentificationProblem& problem);
 
+// Number of measured numbers of a mode: a shape has no scale.
+int NumbersOf(const MeasuredMode& mode);
+
+// Returns measured modes as suspects that are left out, the worst `most` of
+// those whose squared errors at `model` are above four times what their
+// standard deviations allow. Nothing if they have none, or there is but one.
+std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
+                                const FitSummary& fit,
+                                const IdentifiedModel& model, size_t most);
+
 // Looks for the suspects that describe measured modes better than the fit does
 // without them. Modes are few and their fits short, so that every suspect is
 // refitted, singly and added to the best: masses, stiffness outside of groups,

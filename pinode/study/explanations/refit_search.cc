@@ -6,7 +6,9 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/study/explanations/ambient_suspects.h"
 #include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/term_worth.h"
@@ -27,6 +29,14 @@ constexpr int kMostIterations = 15;
 // Number of suspects together: more faults at once than these are another
 // model.
 constexpr size_t kMostTogether = 3;
+// Number of kinds of wrong sensors of each ambient record to refit, of
+// corrections of a gain, and the change of it that ends them.
+constexpr size_t kMostAmbientSensors = 2;
+constexpr int kMostGains = 4;
+constexpr double kSameGain = 0.01;
+// Number of measured modes to leave out, one at a time.
+constexpr size_t kMostModesLeftOut = 2;
+
 bool IsTraining(const RecordScore& score) {
   return score.role == IdentificationRecord::Role::kTrain;
 }
@@ -60,6 +70,20 @@ double MemoryOf(const IdentificationProblem& problem, const FitSummary& fit) {
     }
   }
   return std::max(1.0, sum / std::max(count, 1));
+}
+
+// Logarithm of the likelihood of ambient records and measured modes. The
+// variances of the lines of an ambient record are those that the fit `scale`
+// leaves: its chi^2 per degree of freedom, at least 1.
+double LogLikelihood(const FitSummary& fit, const FitSummary& scale) {
+  double sum = 0.0;
+  for (size_t i = 0; i < fit.ambient.size(); ++i) {
+    const AmbientScore& score = scale.ambient[i];
+    const double freedom = static_cast<double>(score.degrees_of_freedom);
+    sum += fit.ambient[i].evidence.log_likelihood /
+           (freedom > 0.0 ? std::max(1.0, score.chi_square / freedom) : 1.0);
+  }
+  return fit.modes.empty() ? sum : sum - fit.final_modal_cost;
 }
 
 // `fit` with the states of its training records.
@@ -136,11 +160,41 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
       }
     }
   }
+  for (const AmbientScore& score : fit.ambient) {
+    // Real and imaginary parts.
+    num_samples_ += 2.0 * static_cast<double>(score.num_lines) *
+                    static_cast<double>(score.channels.size());
+  }
+  for (size_t i = 0; i < fit.modes.size(); ++i) {
+    if (!fit.modes[i].InUse()) continue;
+    num_samples_ += NumbersOf(problem.modal.modes[i]);
+  }
+  if (!problem.ambient.empty() || !problem.modal.empty()) AddSuspectsBeside();
+  if (problem.num_train_records() == 0) return;
   // The log odds are N / 2m times the relative change of the cost.
   options_.function_tolerance =
       std::max(options_.function_tolerance, 2.0 * kLeastStepOfLogOdds *
                                                 MemoryOf(problem, fit) /
                                                 std::max(num_samples_, 1.0));
+}
+
+// Sensors of ambient records, and measured modes.
+void RefitSearch::AddSuspectsBeside() {
+  // The rate of one logger's clock is no factor on all data.
+  suspects_.erase(std::remove_if(suspects_.begin(), suspects_.end(),
+                                 [](const Suspect& suspect) {
+                                   return suspect.kind ==
+                                          Suspect::Kind::kClockRate;
+                                 }),
+                  suspects_.end());
+  for (Suspect& suspect : MakeAmbientSuspects(
+           problem_, model_, options_.num_threads, kMostAmbientSensors)) {
+    suspects_.push_back(std::move(suspect));
+  }
+  for (Suspect& suspect :
+       WorstModes(problem_, fit_, model_, kMostModesLeftOut)) {
+    suspects_.push_back(std::move(suspect));
+  }
 }
 
 bool RefitSearch::Run() {
@@ -149,7 +203,9 @@ bool RefitSearch::Run() {
   own.fit = fit_;
   own.model = model_;
   own.log_odds = 0.0;
-  AddForceSuspects(own);
+  if (problem_.num_train_records() > 0 && problem_.ambient.empty()) {
+    AddForceSuspects(own);
+  }
   if (MostUnexplained(fit_) > limits::kLittleUnexplainedByForce) {
     for (Suspect& place : MakeForcePlaces(problem_)) {
       suspects_.push_back(std::move(place));
@@ -169,8 +225,13 @@ bool RefitSearch::Run() {
     for (const size_t i : LikelyExchanges()) Try(own, {i}, /*cold=*/true);
   }
   for (size_t i = 0; i < suspects_.size(); ++i) {
+    const Suspect& suspect = suspects_[i];
     // A force at a wrong place has adapted to it.
-    if (!suspects_[i].moved_forces.empty()) Try(own, {i}, /*cold=*/true);
+    if (!suspect.moved_forces.empty() || !suspect.ambient_exchanged.empty()) {
+      Try(own, {i}, /*cold=*/true);
+    }
+    if (!suspect.left_out_modes.empty()) Try(own, {i}, /*cold=*/false);
+    if (!suspect.ambient_scales.empty()) TryGain(own, i);
   }
   for (size_t together = 2; together <= kMostTogether; ++together) {
     if (!AddToBest()) break;
@@ -322,6 +383,25 @@ bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
   return true;
 }
 
+// Refits with another gain of a channel until it is the one that the refit
+// itself finds.
+void RefitSearch::TryGain(const Refit& from, size_t i) {
+  for (int round = 0; round < kMostGains; ++round) {
+    if (!Try(from, {i}, /*cold=*/round == 0)) return;
+    Suspect::AmbientScale& at = suspects_[i].ambient_scales.front();
+    if (at.factor < 0.0) return;
+    const Refit& refit = refits_.back();
+    const double again = AmbientScale(refit.problem, refit.model, at.record,
+                                      at.channel, options_.num_threads);
+    if (std::abs(std::log(again)) < kSameGain || round + 1 == kMostGains) {
+      return;
+    }
+    at.factor *= again;
+    refits_.pop_back();
+    tried_.erase({i});
+  }
+}
+
 double RefitSearch::LogOdds(const Refit& refit) const {
   const double memory = MemoryOf(refit.problem, refit.fit);
   double gain = 0.0;
@@ -340,10 +420,18 @@ double RefitSearch::LogOdds(const Refit& refit) const {
                        std::max(after.channels[c].rmse, 1e-300));
     }
   }
+  gain += LogLikelihood(refit.fit, refit.fit) - LogLikelihood(fit_, refit.fit);
   int unknowns = 0;
   double candidates = 0.0;
   for (const size_t i : refit.suspects) {
     unknowns += static_cast<int>(suspects_[i].Unknowns().size());
+    // A gain of an ambient record is an unknown, its sign is not.
+    for (const Suspect::AmbientScale& at : suspects_[i].ambient_scales) {
+      unknowns += at.factor > 0.0 ? 1 : 0;
+    }
+    for (const int mode : suspects_[i].left_out_modes) {
+      unknowns += NumbersOf(problem_.modal.modes[static_cast<size_t>(mode)]);
+    }
     candidates += std::log(static_cast<double>(suspects_.size()));
   }
   return gain -

@@ -39,6 +39,8 @@ class RefitSearch {
   const std::vector<Refit>& refits() const { return refits_; }
 
  private:
+  void AddSuspectsBeside();
+  void TryGain(const Refit& from, size_t i);
   bool Score(const Refit& at, std::vector<Suspect> suspects,
              SuspectScores* scores) const;
   void AddForceSuspects(const Refit& own);

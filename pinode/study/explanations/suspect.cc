@@ -156,6 +156,14 @@ bool AddSuspects(const std::vector<Suspect>& suspects,
       std::swap(ChannelAt(one, &result)->values,
                 ChannelAt(two, &result)->values);
     }
+    for (const Suspect::AmbientExchange& at : suspect.ambient_exchanged) {
+      Matrix& samples = result.ambient[static_cast<size_t>(at.record)].samples;
+      samples.row(at.one).swap(samples.row(at.two));
+    }
+    for (const Suspect::AmbientScale& at : suspect.ambient_scales) {
+      result.ambient[static_cast<size_t>(at.record)].samples.row(at.channel) *=
+          at.factor;
+    }
   }
   std::set<int, std::greater<int>> left_out;
   for (const Suspect& suspect : suspects) {

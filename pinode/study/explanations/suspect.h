@@ -59,6 +59,20 @@ struct Suspect {
   // Two channels of a record that exchange their values.
   std::vector<std::pair<std::pair<int, int>, std::pair<int, int>>> exchanged;
 
+  // Two channels of an ambient record that exchange their samples, and channels
+  // of one whose samples are multiplied by a factor.
+  struct AmbientExchange {
+    int record = 0;
+    int one = 0, two = 0;
+  };
+  std::vector<AmbientExchange> ambient_exchanged;
+  struct AmbientScale {
+    int record = 0;
+    int channel = 0;
+    double factor = 1.0;
+  };
+  std::vector<AmbientScale> ambient_scales;
+
   // The unknown of its sensors equals these unknowns of other suspects, all at
   // the same value: a common delay, the delays of all sensors. Empty: there are
   // none.
@@ -72,7 +86,8 @@ struct Suspect {
   // score test could see.
   bool IsDiscrete() const {
     return !exchanged.empty() || !moved_forces.empty() ||
-           !left_out_modes.empty();
+           !left_out_modes.empty() || !ambient_exchanged.empty() ||
+           !ambient_scales.empty();
   }
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;
