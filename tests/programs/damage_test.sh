@@ -166,6 +166,10 @@ Refused "--false_alarm_rate must be" --baseline=D --case=damaged.toml \
 sed -e 's/2000, 2000, 2000/2000, 2000, 2001/' damaged.toml >heavier.toml
 Refused "M.mtx: cannot be the updated matrix" --baseline=D \
   --case=heavier.toml --output_dir=E
+cp -r D turned
+sed -i -e '/^dofs/s/"u1", "u2", "u3"/"u3", "u2", "u1"/' turned/model.toml
+Refused "the DOFs of the case in another order" --baseline=turned \
+  --case=damaged.toml --output_dir=E
 sed -e 's/storey  = 2/storey  = 3/' damaged.toml >other.toml
 Refused "group_k2.mtx: differs" --baseline=D --case=other.toml --output_dir=E
 sed -e 's/"k2"/"k9"/' damaged.toml >unknown.toml
