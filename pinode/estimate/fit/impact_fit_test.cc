@@ -18,7 +18,7 @@ constexpr double kGravity = 9.8;
 constexpr double kStiffness = 5000.0;
 constexpr double kDamping = 15.0;
 constexpr double kNoise = 0.002;
-constexpr double kStep = 0.005;
+constexpr double kFlightStep = 0.005;
 
 // Height above the stop of a ball on its way, in closed form.
 class BallPath {
@@ -118,22 +118,23 @@ std::shared_ptr<StructuralDynamics> MakeBall() {
 
 // Three bounces. Stiffness and damping begin at less than a half of the truth.
 TEST(ImpactFit, FindsTheStop) {
-  constexpr Eigen::Index kSamples = 401;
+  constexpr Eigen::Index kFlightSamples = 401;
   IdentificationRecord record;
   record.name = "flight";
   record.substeps = 10;
   record.start = IdentificationRecord::Start::kKnown;
   record.known_start = Vector::Zero(2);
   record.excitation =
-      Excitation(0.0, kStep, Matrix::Zero(0, kSamples), Interpolation::kLinear);
+      Excitation(0.0, kFlightStep, Matrix::Zero(0, kFlightSamples),
+                 Interpolation::kLinear);
   MeasuredChannel channel;
   channel.observation = {"y", Quantity::kDisplacement, Vector::Unit(1, 0)};
-  channel.values.resize(kSamples);
+  channel.values.resize(kFlightSamples);
   BallPath path(1.0);
   testing::Gaussian noise(11);
-  for (Eigen::Index i = 0; i < kSamples; ++i) {
-    channel.values[i] =
-        path.At(kStep * static_cast<double>(i)) - 1.0 + kNoise * noise.Next();
+  for (Eigen::Index i = 0; i < kFlightSamples; ++i) {
+    channel.values[i] = path.At(kFlightStep * static_cast<double>(i)) - 1.0 +
+                        kNoise * noise.Next();
   }
   record.channels.push_back(std::move(channel));
   IdentificationProblem problem;
