@@ -13,6 +13,7 @@
 #include "pinode/case/results/grown_case.h"
 #include "pinode/case/results/model_case.h"
 #include "pinode/case/sections/case_file.h"
+#include "pinode/case/text/toml_value.h"
 #include "pinode/problem/parameter_layout.h"
 #include "tests/support/case_testing.h"
 
