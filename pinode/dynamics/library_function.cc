@@ -113,10 +113,16 @@ double LibraryFunction::Forward(const double* q, const char* branches,
   return values[count - 1];
 }
 
+double LibraryFunction::Orientation(const Operation& operation) {
+  return operation.code == Code::kLess || operation.code == Code::kGreaterEqual
+             ? -1.0
+             : 1.0;
+}
+
 double LibraryFunction::OnBranch(const Operation& operation, bool positive) {
   switch (operation.code) {
-    case Code::kLess:
     case Code::kLessEqual:
+    case Code::kGreaterEqual:
       return positive ? 0.0 : 1.0;
     case Code::kSign:
       return positive ? 1.0 : -1.0;
@@ -158,7 +164,8 @@ void LibraryFunction::Switches(const double* q, double* values) const {
     const auto at = [&all](int index) {
       return index < 0 ? 0.0 : all[static_cast<size_t>(index)];
     };
-    *values++ = at(operation.first) - at(operation.second);
+    *values++ =
+        Orientation(operation) * (at(operation.first) - at(operation.second));
   }
 }
 
@@ -171,9 +178,10 @@ void LibraryFunction::SwitchGradient(int j, const double* q,
   std::fill(adjoints.begin(), adjoints.end(), 0.0);
   const Operation& operation =
       operations_[static_cast<size_t>(switches_[static_cast<size_t>(j)])];
-  adjoints[static_cast<size_t>(operation.first)] += 1.0;
+  const double orientation = Orientation(operation);
+  adjoints[static_cast<size_t>(operation.first)] += orientation;
   if (operation.second >= 0) {
-    adjoints[static_cast<size_t>(operation.second)] -= 1.0;
+    adjoints[static_cast<size_t>(operation.second)] -= orientation;
   }
   Backward(values.data(), adjoints.data(), gradient);
 }

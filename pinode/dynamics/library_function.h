@@ -131,6 +131,9 @@ class LibraryFunction {
   };
 
   static double Apply(const Operation& operation, const double* values);
+  // Sign of a switch's value, first minus second operand. At zero the branch
+  // below then has the value that the comparison has for equal operands.
+  static double Orientation(const Operation& operation);
   // Returns the value of a switch on a branch.
   static double OnBranch(const Operation& operation, bool positive);
   // Computes the derivatives of an operation's value with respect to its first

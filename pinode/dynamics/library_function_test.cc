@@ -307,23 +307,37 @@ TEST(LibraryFunction, SwitchesHaveValuesGradientsAndBranches) {
   const double q[] = {0.5, 1.5, 0.0, 0.0, 0.0};
   double values[2];
   function.Switches(q, values);
-  EXPECT_DOUBLE_EQ(values[0], 0.25 - 4.5);
+  EXPECT_DOUBLE_EQ(values[0], 4.5 - 0.25);
   EXPECT_DOUBLE_EQ(values[1], 1.5);
   double gradient[5];
   function.SwitchGradient(0, q, gradient);
-  EXPECT_DOUBLE_EQ(gradient[0], 1.0);  // 2 x
-  EXPECT_DOUBLE_EQ(gradient[1], -3.0);
+  EXPECT_DOUBLE_EQ(gradient[0], -1.0);  // -2 x
+  EXPECT_DOUBLE_EQ(gradient[1], 3.0);
   EXPECT_EQ(gradient[2], 0.0);
 
   // The branches at q, and the opposite ones.
-  const char here[] = {0, 1};
-  const char there[] = {1, 0};
+  const char here[] = {1, 1};
+  const char there[] = {0, 0};
   EXPECT_DOUBLE_EQ(function.Evaluate(q), 0.5 + 5.0);
   EXPECT_DOUBLE_EQ(function.Evaluate(q, here), 0.5 + 5.0);
   EXPECT_DOUBLE_EQ(function.Evaluate(q, there), 3.0 - 5.0);
   EXPECT_DOUBLE_EQ(function.Linearize(q, gradient, there), 3.0 - 5.0);
   EXPECT_EQ(gradient[0], 0.0);
   EXPECT_DOUBLE_EQ(gradient[1], 2.0);
+}
+
+// A motion that begins at a switch begins on the branch below it.
+TEST(LibraryFunction, EqualOperandsAreOnTheBranchBelow) {
+  for (const char* comparison : {"<", "<=", ">", ">="}) {
+    const LibraryFunction function =
+        Parsed(std::string("x[u1] ") + comparison + " 0 ? 3 : 7");
+    const double q[] = {0.0, 1.0, 0.0, 0.0, 0.0};
+    double value = 1.0;
+    function.Switches(q, &value);
+    EXPECT_EQ(value, 0.0);
+    const char below[] = {0};
+    EXPECT_EQ(function.Evaluate(q, below), function.Evaluate(q)) << comparison;
+  }
 }
 
 TEST(LibraryFunction, IsSafeToShareBetweenThreads) {

@@ -50,7 +50,7 @@ namespace pinode {
 // change to Law, ElementLibrary or ElementParameterInfo.
 // element_library_test.cc detects a missing increase.
 inline unsigned long ElementInterface() {
-  constexpr unsigned long kVersion = 1;
+  constexpr unsigned long kVersion = 2;
   return 100000000 * kVersion + 10000 * sizeof(ElementParameterInfo) +
          sizeof(WideJet);
 }

@@ -522,7 +522,7 @@ StructuralDynamics::TangentScratch StructuralDynamics::MakeTangentScratch(
     scratch.terms.push_back(
         terms_[i]->MakeTangentScratch(offsets_[i].place, rows));
   }
-  if (!ties_.empty()) {
+  if (term_columns_.size() != tangent_columns_.size()) {
     scratch.by_terms =
         Matrix::Zero(rows, static_cast<Eigen::Index>(term_columns_.size()));
   }

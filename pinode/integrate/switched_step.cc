@@ -58,6 +58,7 @@ void SwitchedStep::Begin(const StructuralDynamics::Prepared& prepared,
 bool SwitchedStep::MayEndAt(const StructuralDynamics::Prepared& prepared,
                             double time, const double* input,
                             const Vector& state) {
+  if (!state.allFinite()) return false;
   dynamics_.Switches(prepared, time, input, state.data(), switches_.data());
   return Agree();
 }
@@ -213,6 +214,9 @@ void SwitchedStep::Step(const StructuralDynamics::Prepared& prepared,
     piece.branches = branches_;
     trial_ = *state;
     Run(whole, piece, &trial_);
+    // A law may have no value beyond its switch: (x[u] - 1)^1.5 behind x[u]
+    // > 1.
+    if (!trial_.allFinite()) break;
     SwitchesAt(whole, piece, trial_);
     if (Agree()) {
       *state = trial_;

@@ -31,8 +31,10 @@ namespace pinode {
 //   side.
 //
 // TangentStep applies this. A step is not cut if the motion does not go through
-// the switch, because the new branch leads back (dry friction that sticks), or
-// after kMostPieces pieces. It is then a plain RK4 step without held branches.
+// the switch, because the new branch leads back (dry friction that sticks), if
+// it comes back through it within the same step, if a law has no value behind
+// its switch, or after kMostPieces pieces. It is then a plain RK4 step without
+// held branches.
 //
 // Use one object per thread.
 class SwitchedStep {

@@ -129,6 +129,21 @@ TEST_F(BouncingBall, StepsKeepTheirOrder) {
   EXPECT_LT(rate, 4.7);
 }
 
+// Contact of a sphere (Hertz): behind its switch the law has no value, and the
+// step that leaves the contact is a plain one.
+TEST_F(BouncingBall, LawsMayHaveNoValueBehindTheirSwitch) {
+  const auto ball = MakeMass({"1", "x[u] < -1 ? (-(x[u]+1))^1.5 : 0"},
+                             {values_[0], values_[1]});
+  for (const int substeps : {1, 3, 10}) {
+    const Vector state =
+        Propagate(*ball, SegmentColumns::kNone, substeps).end_state;
+    ASSERT_TRUE(state.allFinite()) << substeps;
+    // Nothing dissipates. The whole energy is that of a fall by 1.
+    const double energy = 0.5 * state[1] * state[1] - values_[0] * state[0];
+    EXPECT_NEAR(energy, 0.0, 0.03 * -values_[0]) << substeps;
+  }
+}
+
 TEST_F(BouncingBall, SensitivitiesGoThroughTheJumps) {
   const auto ball = MakeBall(values_);
   const SegmentTangents tangents = Propagate(*ball, SegmentColumns::kAll);
