@@ -63,9 +63,17 @@ Likeness Compare(const ModalData& data, const Vector& eigenvalues,
     const std::vector<int>& dofs =
         data.modes[static_cast<size_t>(set.front())].dofs;
     const Matrix span = UnitShapes(data, set);
+    Vector macs(count);
     for (Eigen::Index j = 0; j < count; ++j) {
-      likeness.macs(set, j).setConstant(MacWithSpan(span, shapes(dofs, j)));
+      macs[j] = MacWithSpan(span, shapes(dofs, j));
     }
+    // Fewer modes of the model than of the set: one of the set may be noise,
+    // which must not take the partner of another.
+    if ((macs.array() > kLeastPairProfit).count() <
+        static_cast<Eigen::Index>(set.size())) {
+      continue;
+    }
+    for (const int i : set) likeness.macs.row(i) = macs.transpose();
   }
   return likeness;
 }

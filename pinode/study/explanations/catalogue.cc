@@ -153,7 +153,7 @@ class Catalogue {
     }
   }
 
-  // Groups that the user has fixed, or whose bounds they have reached.
+  // Groups that are fixed or follow another one, and groups with bounds.
   void AddGroups() {
     for (const GroupTerm& term : dynamics_.groups()) {
       const Parameter& alpha = term.alpha;
@@ -162,7 +162,9 @@ class Catalogue {
         if (term.group.target == Target::kMass) kind = Kind::kMass;
         if (term.group.target == Target::kDamping) kind = Kind::kDamping;
         Add(kind, term.group.name,
-            "group '" + term.group.name + "', which is fixed")
+            "group '" + term.group.name +
+                (alpha.IsTied() ? "' apart from '" + alpha.tie + "'"
+                                : "', which is fixed"))
             ->freed = {term.group.name};
       } else if (std::isfinite(alpha.lower) || std::isfinite(alpha.upper)) {
         Add(Kind::kBound, term.group.name,

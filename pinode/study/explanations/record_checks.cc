@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/statistics.h"
@@ -233,17 +234,29 @@ void CheckForeignShapes(const IdentificationProblem& problem,
       best[i] = std::max(best[i], Mac(mode.shape, modes.shapes(mode.dofs, j)));
     }
   }
-  // Any turn of close modes is possible: their span counts.
+  // Close modes may point in any direction of the span of as many modes of the
+  // model: those that are most like their own span.
   for (const std::vector<int>& set : CloseModes(problem.modal)) {
     const Matrix span = UnitShapes(problem.modal, set);
     const std::vector<int>& dofs =
         problem.modal.modes[static_cast<size_t>(set.front())].dofs;
+    std::vector<std::pair<double, Eigen::Index>> alike;
     for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
-      const double mac = MacWithSpan(span, modes.shapes(dofs, j));
-      for (const int i : set) {
-        double& own = best[static_cast<size_t>(i)];
-        own = std::max(own, mac);
-      }
+      alike.emplace_back(MacWithSpan(span, modes.shapes(dofs, j)), j);
+    }
+    if (alike.size() < set.size()) continue;
+    std::sort(alike.rbegin(), alike.rend());
+    Matrix partners(static_cast<Eigen::Index>(dofs.size()),
+                    static_cast<Eigen::Index>(set.size()));
+    for (size_t k = 0; k < set.size(); ++k) {
+      partners.col(static_cast<Eigen::Index>(k)) =
+          modes.shapes(dofs, alike[k].second).normalized();
+    }
+    for (const int i : set) {
+      double& own = best[static_cast<size_t>(i)];
+      own = std::max(
+          own, MacWithSpan(partners,
+                           problem.modal.modes[static_cast<size_t>(i)].shape));
     }
   }
   for (size_t i = 0; i < best.size(); ++i) {

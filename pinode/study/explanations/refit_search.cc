@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/shooting/score.h"
@@ -80,7 +83,10 @@ double LogLikelihood(const FitSummary& fit, const FitSummary& scale) {
   for (size_t i = 0; i < fit.ambient.size(); ++i) {
     const AmbientScore& score = scale.ambient[i];
     const double freedom = static_cast<double>(score.degrees_of_freedom);
-    sum += fit.ambient[i].evidence.log_likelihood /
+    const double likelihood = fit.ambient[i].evidence.log_likelihood;
+    // Zero: the loads could not be judged, and nothing is known of the odds.
+    if (likelihood == 0.0) return std::numeric_limits<double>::quiet_NaN();
+    sum += likelihood /
            (freedom > 0.0 ? std::max(1.0, score.chi_square / freedom) : 1.0);
   }
   return fit.modes.empty() ? sum : sum - fit.final_modal_cost;
@@ -386,9 +392,18 @@ bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
 // Refits with another gain of a channel until it is the one that the refit
 // itself finds.
 void RefitSearch::TryGain(const Refit& from, size_t i) {
+  Suspect::AmbientScale& at = suspects_[i].ambient_scales.front();
+  std::optional<Refit> former;
+  double former_factor = at.factor;
   for (int round = 0; round < kMostGains; ++round) {
-    if (!Try(from, {i}, /*cold=*/round == 0)) return;
-    Suspect::AmbientScale& at = suspects_[i].ambient_scales.front();
+    if (!Try(from, {i}, /*cold=*/round == 0)) {
+      // A later gain that cannot be fitted takes nothing from the former one.
+      if (former.has_value()) {
+        at.factor = former_factor;
+        refits_.push_back(std::move(*former));
+      }
+      return;
+    }
     if (at.factor < 0.0) return;
     const Refit& refit = refits_.back();
     const double again = AmbientScale(refit.problem, refit.model, at.record,
@@ -396,7 +411,9 @@ void RefitSearch::TryGain(const Refit& from, size_t i) {
     if (std::abs(std::log(again)) < kSameGain || round + 1 == kMostGains) {
       return;
     }
+    former_factor = at.factor;
     at.factor *= again;
+    former = std::move(refits_.back());
     refits_.pop_back();
     tried_.erase({i});
   }

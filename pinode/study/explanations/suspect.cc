@@ -31,6 +31,7 @@ bool AddTerms(const std::vector<Suspect>& suspects,
       }
       if (!term.alpha.free) term.alpha.prior_sigma = 1.0;
       term.alpha.free = true;
+      term.alpha.tie.clear();
       term.alpha.lower = -kInfinity;
       term.alpha.upper = kInfinity;
     }
