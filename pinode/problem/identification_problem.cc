@@ -287,6 +287,27 @@ std::string IdentificationProblem::LocationOf(
              : channel.description.location;
 }
 
+bool IdentificationProblem::HasValidTies(std::string* parameter,
+                                         std::string* error) const {
+  if (!AreTiesValid(ParameterBlocks(), parameter, error)) return false;
+  for (const ParameterBlock& block : dynamics->blocks()) {
+    for (const Parameter& tied : block.parameters) {
+      const auto is_source = [&tied](const Parameter& sensor) {
+        return sensor.name == tied.tie;
+      };
+      if (!tied.IsTied() || std::none_of(sensors.parameters.begin(),
+                                         sensors.parameters.end(), is_source)) {
+        continue;
+      }
+      *parameter = tied.name;
+      *error = "it is tied to '" + tied.tie +
+               "' of a sensor; let the sensor's unknown follow this one";
+      return false;
+    }
+  }
+  return true;
+}
+
 bool IdentificationProblem::IsValid(std::string* error) const {
   if (dynamics == nullptr) {
     *error = "there is no model";
@@ -299,7 +320,7 @@ bool IdentificationProblem::IsValid(std::string* error) const {
   }
   if (!sensors.IsValid(error)) return false;
   std::string tied;
-  if (!AreTiesValid(ParameterBlocks(), &tied, error)) {
+  if (!HasValidTies(&tied, error)) {
     *error = "parameter '" + tied + "': " + *error;
     return false;
   }

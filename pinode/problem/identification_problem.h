@@ -108,6 +108,11 @@ struct IdentificationProblem {
 
   // Blocks of all parameters, first those of the dynamics, then of sensors.
   std::vector<const ParameterBlock*> ParameterBlocks() const;
+  // Returns false, with the tied unknown and what is wrong, if a tie is not
+  // valid. An unknown of the model cannot follow one of a sensor: the equation
+  // of motion knows no sensors.
+  [[nodiscard]] bool HasValidTies(std::string* parameter,
+                                  std::string* error) const;
 
   // Number of training records, without ambient ones.
   int num_train_records() const;

@@ -10,6 +10,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/results/grown_case.h"
 #include "pinode/case/results/same_structure.h"
 #include "pinode/case/results/verdict_json.h"
@@ -43,6 +44,8 @@ struct Result {
   std::vector<std::string> names;  // of all parameters
   Vector values;
   std::vector<std::string> free;  // the free ones, in the covariance's order
+  // Unknown that another one follows, and the factor.
+  std::map<std::string, std::pair<std::string, double>> ties;
   std::vector<std::string> undetermined;
   Doubts doubts;  // as in Baseline
 };
@@ -135,6 +138,11 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
     result->names.push_back(parameter["name"]);
     values.push_back(parameter["value"]);
     if (parameter["free"] == true) result->free.push_back(parameter["name"]);
+    const Json tie = parameter.value("tie", Json());
+    if (tie.is_string() && !tie.get<std::string>().empty()) {
+      result->ties[parameter["name"]] = {
+          tie, NumberOr(parameter, "tie_factor", 1.0)};
+    }
   }
   const Json undetermined = json.value("undetermined", Json::array());
   for (const Json& direction : undetermined) {
@@ -329,6 +337,33 @@ bool ReadFollowers(const std::string& folder, const Case& c,
   return true;
 }
 
+// A change of a group means another one where other groups follow it.
+bool HasSameTies(const std::string& path, const StructuralDynamics& dynamics,
+                 const Result& result, std::string* error) {
+  for (const GroupTerm& group : dynamics.groups()) {
+    const Parameter& present = group.alpha;
+    const auto found = result.ties.find(present.name);
+    const std::pair<std::string, double> before =
+        found == result.ties.end() ? std::pair<std::string, double>()
+                                   : found->second;
+    if (present.tie == before.first &&
+        (!present.IsTied() || present.tie_factor == before.second)) {
+      continue;
+    }
+    const auto follows = [](const std::string& source, double factor) {
+      return source.empty() ? std::string("follows no other")
+                            : "follows " + FormatNumber(factor) + " times '" +
+                                  source + "'";
+    };
+    *error = path + ": group '" + present.name + "' " +
+             follows(before.first, before.second) + " there and " +
+             follows(present.tie, present.tie_factor) +
+             " in the case; make both alike";
+    return false;
+  }
+  return true;
+}
+
 // Reads the records of the baseline with the identified model.
 void ReadFit(const std::string& path, Baseline* baseline) {
   Case healthy;
@@ -375,6 +410,8 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
         result.values[IndexOf(result.names, names[i])];
     if (!SameGroup(folder, c, names[i], error)) return false;
   }
+
+  if (!HasSameTies(path("result.json"), dynamics, result, error)) return false;
 
   Vector offsets = Vector::Zero(values.size());
   if (!ReadOffsets(folder, c, result, names, &offsets, error)) return false;

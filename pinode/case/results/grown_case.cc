@@ -162,9 +162,16 @@ void HoldInCase(const std::map<std::string, double>& values, Case* c) {
   c->problem.dynamics = std::make_shared<const StructuralDynamics>(
       c->problem.dynamics->WithGroupParameters([&values](Parameter* parameter) {
         const auto held = values.find(parameter->name);
-        if (held == values.end()) return;
-        parameter->value = held->second;
+        const auto source = values.find(parameter->tie);
+        if (held != values.end()) {
+          parameter->value = held->second;
+        } else if (source != values.end()) {
+          parameter->value = parameter->tie_factor * source->second;
+        } else {
+          return;
+        }
         parameter->free = false;
+        parameter->tie.clear();
       }));
   TomlValue tree = *c->source;
   for (TomlValue& group : tree.Find("group")->elements) {
@@ -179,8 +186,20 @@ void HoldInCase(const std::map<std::string, double>& values, Case* c) {
       group.Find("follows")->Set("free", TomlValue::Boolean(false));
     }
     const auto held = values.find(name);
-    if (held == values.end()) continue;
-    group.Set("initial", TomlValue::Float(held->second));
+    const TomlValue* tie = group.Find("tie");
+    const auto source = tie == nullptr ? values.end() : values.find(tie->text);
+    double value = 0.0;
+    if (held != values.end()) {
+      value = held->second;
+    } else if (source != values.end()) {
+      const TomlValue* factor = group.Find("tie_factor");
+      value = source->second * (factor == nullptr ? 1.0 : factor->number);
+    } else {
+      continue;
+    }
+    group.Erase("tie");
+    group.Erase("tie_factor");
+    group.Set("initial", TomlValue::Float(value));
     group.Set("free", TomlValue::Boolean(false));
   }
   KeepProfiles(c, &tree);

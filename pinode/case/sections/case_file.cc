@@ -64,7 +64,7 @@ bool CheckTies(const IdentificationProblem& problem, CaseErrors* errors) {
   };
   std::string tied;
   std::string error;
-  if (!AreTiesValid(blocks, &tied, &error)) return fail(tied, error);
+  if (!problem.HasValidTies(&tied, &error)) return fail(tied, error);
   std::vector<const Parameter*> all;
   for (const ParameterBlock* block : blocks) {
     for (const Parameter& parameter : block->parameters) {

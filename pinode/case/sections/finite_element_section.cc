@@ -239,9 +239,21 @@ class SectionReader {
     return true;
   }
 
-  // True if the case gives a matrix by the positions of the kept DOFs: their
-  // order is then the user's.
+  // True if the case gives a matrix or a start by the positions of the kept
+  // DOFs: their order is then the user's.
   bool HasMatrixOfCoordinates() const {
+    for (const char* key : {"influence", "support_mass_coupling"}) {
+      if (model_table_.Find(key) != nullptr) return true;
+    }
+    const TomlValue* records = root_.Find("record");
+    if (records != nullptr && records->IsArrayOfTables() &&
+        std::any_of(records->elements.begin(), records->elements.end(),
+                    [](const TomlValue& record) {
+                      const TomlValue* start = record.Find("start");
+                      return start != nullptr && start->IsTable();
+                    })) {
+      return true;
+    }
     const TomlValue* damping = model_table_.Find("damping");
     if (damping != nullptr && damping->type != TomlValue::Type::kString &&
         !(damping->IsTable() && (damping->Find("rayleigh") != nullptr ||

@@ -96,6 +96,20 @@ TEST_F(Tie, RefusalsNameLineAndRemedy) {
       HasSubstr("unknown 't.k3': it is tied to 's.k3', which is fixed"));
 }
 
+TEST_F(Tie, TheModelFollowsNoSensor) {
+  path_ = folder_.Write(
+      "case.toml", Replaced(Replaced(SmallCase(), "unit = \"g\"",
+                                     "unit = \"g\"\n  gain = {free = true}"),
+                            "[[record]]\n",
+                            Replaced(kTied, "parameters.k3 = {tie = \"k1\"",
+                                     "parameters.k3 = {tie = \"gain.a1\"") +
+                                "[[record]]\n"));
+  Case c;
+  EXPECT_FALSE(ReadCase(path_, &c, &error_));
+  EXPECT_THAT(error_, HasSubstr("unknown 's.k3': it is tied to 'gain.a1' of a "
+                                "sensor; let the sensor's unknown follow"));
+}
+
 // Matrices of the model's case contain the groups, so that the spring cannot
 // follow "k1" any longer, which begins at 0 again.
 TEST_F(Tie, TheModelCaseCountsNothingTwice) {

@@ -35,6 +35,10 @@ class Hash {
         Add(value);
       }
       Add(static_cast<std::int64_t>(p.free));
+      if (p.IsTied()) {
+        Add(p.tie);
+        Add(p.tie_factor);
+      }
     }
   }
 
