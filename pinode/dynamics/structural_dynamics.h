@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pinode/base/parameter_block.h"
-#include "pinode/base/parameter_tie.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/force_scale_term.h"
 #include "pinode/dynamics/group_curve.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "pinode/base/parameter_tie.h"
+#include "pinode/base/parameter_block.h"
 
 namespace pinode {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pinode/base/parameter_tie.h"
+#include "pinode/base/parameter_block.h"
 #include "pinode/base/types.h"
 #include "pinode/problem/identification_problem.h"
 

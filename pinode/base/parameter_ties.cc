@@ -1,10 +1,9 @@
-#include "pinode/base/parameter_tie.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
 
+#include "pinode/base/parameter_block.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {

@@ -1,7 +1,7 @@
-#include "pinode/base/parameter_tie.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "pinode/base/parameter_block.h"
 
 namespace pinode {
 namespace {
