@@ -23,7 +23,7 @@ REPORTS = [
       ["pinode_damage", "--baseline={out}/fit", "--case=data/frame/column_20.toml",
        "--output_dir={out}/damage"]]),
 ]
-# The last folder of a result is the one that is shown.
+# Folder of the last command where it is not "fit".
 SHOWN = {"modes": "modes", "damage": "damage"}
 
 
