@@ -85,8 +85,8 @@ struct SolveTuning {
   // are updated between rounds. After half of the rounds the stage is brought
   // to its end.
   int max_rounds = 80;
-  // Growth of the cost over the rounds of a stage above which its segments
-  // count as diverged.
+  // Growth of the cost over the rounds of a stage, or beyond the cost of the
+  // stages before it, above which its segments count as diverged.
   double diverged = 1e8;
   // Largest number of iterations of a round without and with networks, and the
   // relative change of the cost that ends it. The last round runs to the user's

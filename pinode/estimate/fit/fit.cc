@@ -135,7 +135,10 @@ bool Fit::CloseGaps(bool last, bool* settled) {
       networks ? gaps.first_network_firmness : gaps.first_firmness;
   shooting.SetGapPenalty(
       std::max(1.0, firmness * shooting.state().data_curvature()));
-  double first_cost = kInfinity;
+  // Longer segments may let trajectories diverge at once: the stage is compared
+  // with the best one before it.
+  double first_cost =
+      summary_.stages.empty() ? kInfinity : std::max(1.0, best_.cost);
   for (int round = 0; round < solve.max_rounds && context_.IterationsLeft();
        ++round) {
     bool converged = false;
@@ -143,7 +146,9 @@ bool Fit::CloseGaps(bool last, bool* settled) {
     if (log_.interrupted()) break;
     // A firmer penalty makes the cost grow, but not as much as this: the
     // trajectories diverge, and no further round reunites them.
-    if (round == 0) first_cost = std::max(1.0, current_.cost);
+    if (round == 0) {
+      first_cost = std::min(first_cost, std::max(1.0, current_.cost));
+    }
     if (!(current_.cost <= solve.diverged * first_cost)) break;
     // The multipliers belong to the present noise levels: close gaps first.
     if (shooting.LargestGap() < gaps.closed && (converged || !last)) {
