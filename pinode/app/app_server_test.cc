@@ -255,6 +255,21 @@ TEST_F(AppServerTest, AsksForPlacesThatNoNameStates) {
             std::string::npos);
 }
 
+// Two tabs: what one of them shows is older than what the other has sent.
+TEST_F(AppServerTest, KeepsThePlacesThatAnotherTabHasSet) {
+  ASSERT_EQ(Upload("a.csv", "baseline", Log()), "");
+  EXPECT_EQ(Post("answers", "{\"places\": {\"acc_1\": \"-1\"}}"), "");
+  EXPECT_EQ(Post("answers",
+                 "{\"places\": {\"base\": \"base\"}, \"places_if_none\": "
+                 "{\"acc_1\": \"1\", \"base\": \"2\", \"other\": \"3\"}}"),
+            "");
+  const Json places = State()["places"];
+  EXPECT_EQ(places["acc_1"], "-1");
+  EXPECT_EQ(places["base"], "base");
+  EXPECT_EQ(places["other"], "3");
+  EXPECT_NE(Post("answers", "{\"places_if_none\": {\"base\": 2}}"), "");
+}
+
 TEST_F(AppServerTest, KeepsItsWorks) {
   ASSERT_EQ(Upload("before.csv", "baseline", Log()), "");
   EXPECT_EQ(Post("answers", "{\"answers\": {\"storeys\": \"7\"}}"), "");

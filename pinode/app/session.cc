@@ -169,10 +169,9 @@ bool Session::EndUpload(const std::string& path, const std::string& name,
 bool Session::SetAnswers(const Json& json, std::string* error) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const LogOptions before = LogOptionsOf(state_);
-  for (const char* part : {"answers", "places"}) {
+  for (const std::string part : {"answers", "places", "places_if_none"}) {
     if (!json.contains(part) || !json[part].is_object()) continue;
-    auto& texts =
-        std::string(part) == "answers" ? state_.answers : state_.places;
+    auto& texts = part == "answers" ? state_.answers : state_.places;
     for (const auto& [name, value] : json[part].items()) {
       const auto& known = AnswerNames();
       if (!value.is_string() ||
@@ -181,6 +180,7 @@ bool Session::SetAnswers(const Json& json, std::string* error) {
         *error = "'" + name + "' is not an answer to a question of the page";
         return false;
       }
+      if (part == "places_if_none" && texts.count(name) > 0) continue;
       const std::string text(StripBlanks(value.get<std::string>()));
       if (text.empty()) {
         texts.erase(name);

@@ -53,7 +53,8 @@ class Session {
                                const std::string& use, std::string* error);
 
   // Sets answers and places: {"answers": {name: text}, "places": {column:
-  // place}}. Names that are not there keep their values.
+  // place}, "places_if_none": {column: place}}. Names that are not there keep
+  // their values; the last part changes no column that has a place.
   [[nodiscard]] bool SetAnswers(const nlohmann::ordered_json& json,
                                 std::string* error);
   // Does {"action": "check", "fit", "compare", "modes", "stop", "dismiss",
