@@ -249,6 +249,17 @@ void AppServer::Parts::ServeSession() {
                  SetError(404, error, &response);
                }
              });
+  server.Get(Address("case"), [this](const httplib::Request& request,
+                                     httplib::Response& response) {
+    std::string json;
+    std::string error;
+    if (session.CaseText(request.get_param_value("later") == "1", &json,
+                         &error)) {
+      SetBody(std::move(json), "application/json", &response);
+    } else {
+      SetError(404, "there is no case yet; check it first", &response);
+    }
+  });
   server.Post(
       Address(kUploadPath),
       [this](const httplib::Request& request, httplib::Response& response,

@@ -84,6 +84,13 @@ class AppServerTest : public ::testing::Test {
                 content);
   }
 
+  // Does an action, waits for its end, and returns the job of the state.
+  Json Act(const Json& request) {
+    EXPECT_EQ(Post("act", request.dump()), "");
+    server_->session()->WaitForJob();
+    return State()["job"];
+  }
+
   TemporaryFolder folder_;
   std::unique_ptr<AppServer> server_;
   std::thread runner_;
@@ -268,6 +275,64 @@ TEST_F(AppServerTest, KeepsThePlacesThatAnotherTabHasSet) {
   EXPECT_EQ(places["base"], "base");
   EXPECT_EQ(places["other"], "3");
   EXPECT_NE(Post("answers", "{\"places_if_none\": {\"base\": 2}}"), "");
+}
+
+TEST_F(AppServerTest, SavesACaseThatWasEdited) {
+  EXPECT_EQ(StatusOf(base_ + "case?later=0"), 404);
+  ASSERT_EQ(Upload("before.csv", "baseline", Log()), "");
+  EXPECT_EQ(Post("answers",
+                 "{\"answers\": {\"storeys\": \"1\", \"weights\": "
+                 "\"2000 kg\", \"first_mode_hz\": \"5\"}}"),
+            "");
+  EXPECT_EQ(Act({{"action", "check"}})["problem"], "");
+  const std::string path = "app/work_1/case.toml";
+  const std::string before = folder_.Read(path);
+  const auto answer = client_->Get(base_ + "case?later=0");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(Json::parse(answer->body)["text"], before);
+  EXPECT_EQ(StatusOf(base_ + "case?later=1"), 404);
+
+  const auto save = [&](const std::string& text, const std::string& from) {
+    return Act({{"action", "save_case"}, {"text", text}, {"before", from}})
+        .value("problem", "");
+  };
+  // The line of the error is that of the text; the folder is not named.
+  const std::string wrong = save(before + "[option]\n", before);
+  EXPECT_EQ(wrong.rfind("case.toml:", 0), 0u) << wrong;
+  EXPECT_EQ(folder_.Read(path), before);
+  const std::string after = before + "[options]\nmax_iterations = 7\n";
+  EXPECT_NE(save(after, "older").find("has changed"), std::string::npos);
+  EXPECT_EQ(folder_.Read(path), before);
+  EXPECT_EQ(Post("answers", "{\"answers\": {\"title\": \"A\"}}"), "");
+  EXPECT_EQ(State()["is_checked"], false);
+  EXPECT_EQ(save(after, before), "");
+  EXPECT_EQ(folder_.Read(path), after);
+  EXPECT_EQ(State()["is_checked"], true);
+  EXPECT_EQ(State()["is_result_old"], true);
+
+  // A draft replaces it only where this is asked for.
+  EXPECT_NE(Act({{"action", "check"}})["problem"], "");
+  EXPECT_EQ(folder_.Read(path), after);
+  EXPECT_EQ(Act({{"action", "check"}, {"anew", true}})["problem"], "");
+  EXPECT_EQ(folder_.Read(path).find("max_iterations"), std::string::npos);
+}
+
+TEST_F(AppServerTest, ComparesOnlyWithWorksThatHaveAResult) {
+  ASSERT_EQ(Upload("after.csv", "later", Log()), "");
+  EXPECT_EQ(Post("act", "{\"action\": \"new\"}"), "");
+  ASSERT_EQ(Upload("after.csv", "later", Log()), "");
+  for (const char* earlier : {"work_1", "work_2", "work_9", "../app/work_1"}) {
+    const Json request = {{"action", "compare"}, {"earlier", earlier}};
+    EXPECT_NE(Post("act", request.dump()), "") << earlier;
+  }
+  EXPECT_TRUE(State()["earlier_works"].empty());
+  // The result is there, but not the records that it came from.
+  std::filesystem::create_directories(folder_.Path("app/work_1/result"));
+  folder_.Write("app/work_1/result/result.json", "{}");
+  EXPECT_EQ(State()["earlier_works"], Json({"work_1"}));
+  const Json job = Act({{"action", "compare"}, {"earlier", "work_1"}});
+  EXPECT_EQ(job["problem"], "work_1 has no records to compare with");
+  EXPECT_EQ(State()["compared_with"], "work_1");
 }
 
 TEST_F(AppServerTest, KeepsItsWorks) {

@@ -8,6 +8,7 @@
 #include "pinode/app/deck_view.h"
 #include "pinode/app/record_view.h"
 #include "pinode/app/request_guard.h"
+#include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 
 namespace pinode {
@@ -235,6 +236,17 @@ bool Session::Deck(std::string* json, std::string* error) {
     return false;
   }
   *json = view.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return true;
+}
+
+bool Session::CaseText(bool is_later, std::string* json, std::string* error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string path =
+      is_later ? folder_.later_case_path() : folder_.case_path();
+  std::string text;
+  if (!ReadBinaryFile(path, &text, error)) return false;
+  *json =
+      Json{{"text", text}}.dump(-1, ' ', false, Json::error_handler_t::replace);
   return true;
 }
 

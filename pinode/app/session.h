@@ -57,8 +57,8 @@ class Session {
   // their values; the last part changes no column that has a place.
   [[nodiscard]] bool SetAnswers(const nlohmann::ordered_json& json,
                                 std::string* error);
-  // Does {"action": "check", "fit", "compare", "modes", "stop", "dismiss",
-  // "new", "open", "remove", "use"}; see session_actions.cc.
+  // Does {"action": "check", "fit", "compare", "modes", "save_case", "stop",
+  // "dismiss", "new", "open", "remove", "use"}; see session_actions.cc.
   [[nodiscard]] bool Act(const nlohmann::ordered_json& json,
                          std::string* error);
 
@@ -69,6 +69,10 @@ class Session {
 
   // Returns the structure of the deck as JSON; see DeckView.
   [[nodiscard]] bool Deck(std::string* json, std::string* error);
+
+  // Returns {"text"} of the case, or of that of the later state, as JSON.
+  [[nodiscard]] bool CaseText(bool is_later, std::string* json,
+                              std::string* error);
 
   // Finds a file of the present work that the page may show, such as
   // "result/report.html".
@@ -91,13 +95,25 @@ class Session {
 
   // Running or last step.
   struct Job {
-    std::string kind;  // "check", "fit", "compare", "modes"; empty: none
+    std::string kind;  // an action that is a step; empty: none
     bool running = false;
     std::string detail;
     IdentificationProgress progress;  // without a model
     std::vector<std::string> troubles;
     std::string error;
     DraftQuestion question;
+  };
+
+  // What a step is to do.
+  struct Order {
+    std::string kind;
+    bool resume = false;  // of a fit: from its checkpoint
+    bool anew = false;    // of a check: replaces cases that were edited
+    std::string earlier;  // of a comparison: another work; empty: this one
+    WorkState state;
+    WorkFile file;                     // of modes
+    std::vector<std::string> columns;  // of modes
+    EditedCase edited;
   };
 
   // All below need mutex_.
@@ -121,9 +137,17 @@ class Session {
   // columns that then have none.
   std::vector<std::string> CompletePlaces();
 
-  // Needs no mutex.
-  void RunJob(const std::string& kind, bool resume, WorkState state,
-              const WorkFile& file, const std::vector<std::string>& columns);
+  // Completes the order from what the page has sent. False, with *error, if it
+  // cannot be done.
+  [[nodiscard]] bool ReadOrder(const nlohmann::ordered_json& json, Order* order,
+                               std::string* error) const;
+  // Works of the folder, other than the present one, with a usable result.
+  std::vector<std::string> EarlierWorks() const;
+
+  // Need no mutex.
+  void RunJob(Order order);
+  [[nodiscard]] bool DoOrder(const WorkFolder& folder, Order* order,
+                             DraftQuestion* question, std::string* error);
 
   std::mutex mutex_;
   std::string root_;

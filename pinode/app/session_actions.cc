@@ -7,6 +7,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "pinode/app/session.h"
 #include "pinode/base/strings.h"
@@ -24,9 +25,13 @@ std::string TextOf(const Json& json, const char* key) {
              : "";
 }
 
+bool IsSet(const Json& json, const char* key) {
+  return json.contains(key) && json[key] == true;
+}
+
 bool IsStep(const std::string& action) {
   return action == "check" || action == "fit" || action == "compare" ||
-         action == "modes";
+         action == "modes" || action == "save_case";
 }
 
 }  // namespace
@@ -62,37 +67,59 @@ class JobWatch : public CaseWatch {
   Session& session_;
 };
 
-void Session::RunJob(const std::string& kind, bool resume, WorkState state,
-                     const WorkFile& file,
-                     const std::vector<std::string>& columns) {
+bool Session::DoOrder(const WorkFolder& folder, Order* order,
+                      DraftQuestion* question, std::string* error) {
+  JobWatch watch(this);
+  if (order->kind == "check") {
+    return CheckWork(folder, order->anew, &order->state, question, error);
+  }
+  if (order->kind == "save_case") {
+    return SaveCaseOfWork(folder, order->edited, &order->state, error);
+  }
+  if (order->kind == "fit") {
+    return FitWork(folder, order->resume, &watch, error);
+  }
+  if (order->kind == "modes") {
+    return FindModesOfWork(folder, order->state, order->file, order->columns,
+                           error);
+  }
+  if (order->earlier.empty()) {
+    return CompareWork(folder, folder.At(kResultFolder), order->resume, &watch,
+                       error);
+  }
+  const WorkFolder earlier(root_, order->earlier);
+  return (order->resume ||
+          DraftLaterOf(earlier, folder, &order->state, question, error)) &&
+         CompareWork(folder, earlier.At(kResultFolder), order->resume, &watch,
+                     error);
+}
+
+void Session::RunJob(Order order) {
   WorkFolder folder;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     folder = folder_;
   }
-  JobWatch watch(this);
   DraftQuestion question;
   std::string error;
   bool good = false;
   try {
-    if (kind == "check") {
-      good = CheckWork(folder, &state, &question, &error);
-    } else if (kind == "fit") {
-      good = FitWork(folder, resume, &watch, &error);
-    } else if (kind == "compare") {
-      good = CompareWork(folder, resume, &watch, &error);
-    } else {
-      good = FindModesOfWork(folder, state, file, columns, &error);
-    }
+    good = DoOrder(folder, &order, &question, &error);
   } catch (const std::bad_alloc&) {
     error = "there is not enough memory; use fewer samples or sensors";
   } catch (const std::exception& exception) {
     error = std::string("the step failed: ") + exception.what();
   }
+  const std::string& kind = order.kind;
+  const WorkState& state = order.state;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (kind == "check") state_.written = state.written;
+  if (kind == "check" || kind == "compare") state_.written = state.written;
   if (good) {
-    if (kind == "check") {
+    if (kind == "save_case") {
+      state_.is_checked = true;
+      state_.is_result_old = state.is_result_old;
+      state_.is_damage_old = state.is_damage_old;
+    } else if (kind == "check") {
       state_.is_checked = true;
       state_.is_result_old = state.is_result_old;
       state_.is_damage_old = state.is_damage_old;
@@ -149,35 +176,74 @@ std::vector<std::string> Session::CompletePlaces() {
   return without;
 }
 
+std::vector<std::string> Session::EarlierWorks() const {
+  std::vector<std::string> earlier;
+  for (const std::string& work : ListWorks(root_)) {
+    std::error_code status;
+    if (work != folder_.name() &&
+        fs::exists(fs::path(root_) / work / kResultFolder / "result.json",
+                   status)) {
+      earlier.push_back(work);
+    }
+  }
+  return earlier;
+}
+
+bool Session::ReadOrder(const Json& json, Order* order,
+                        std::string* error) const {
+  const std::string& action = order->kind;
+  std::error_code status;
+  order->resume = IsSet(json, "resume");
+  order->anew = IsSet(json, "anew");
+  if (action == "compare") {
+    order->earlier =
+        order->resume ? state_.compared_with : TextOf(json, "earlier");
+  }
+  const std::vector<std::string> works = EarlierWorks();
+  if (!order->earlier.empty() &&
+      std::find(works.begin(), works.end(), order->earlier) == works.end()) {
+    *error = "there is no such work with a result";
+    return false;
+  }
+  if ((action == "fit" || action == "compare") && order->earlier.empty() &&
+      !state_.is_checked) {
+    *error = "check the case first: files or answers have changed";
+    return false;
+  }
+  if (action == "compare" && order->earlier.empty() &&
+      !fs::exists(folder_.later_case_path(), status)) {
+    *error = "there is no record of a later state; add one and check the case";
+    return false;
+  }
+  if (action == "save_case") {
+    order->edited = {TextOf(json, "text"), TextOf(json, "before"),
+                     IsSet(json, "is_later")};
+  }
+  if (action == "modes") {
+    size_t index = 0;
+    if (!FindFileLocked(json, &index, error)) return false;
+    order->file = state_.files[index];
+    if (json.contains("columns") && json["columns"].is_array()) {
+      for (const Json& column : json["columns"]) {
+        if (column.is_string()) {
+          order->columns.push_back(column.get<std::string>());
+        }
+      }
+    }
+    if (order->columns.empty()) order->columns.emplace_back("all");
+  }
+  return true;
+}
+
 bool Session::StartJob(const std::string& action, const Json& json,
                        std::string* error) {
   if (job_.running) {
     *error = "another step is running; wait for its end or stop it";
     return false;
   }
-  if ((action == "fit" || action == "compare") && !state_.is_checked) {
-    *error = "check the case first: files or answers have changed";
-    return false;
-  }
-  std::error_code status;
-  if (action == "compare" && !fs::exists(folder_.later_case_path(), status)) {
-    *error = "there is no record of a later state; add one and check the case";
-    return false;
-  }
-  WorkFile file;
-  std::vector<std::string> columns;
-  if (action == "modes") {
-    size_t index = 0;
-    if (!FindFileLocked(json, &index, error)) return false;
-    file = state_.files[index];
-    if (json.contains("columns") && json["columns"].is_array()) {
-      for (const Json& column : json["columns"]) {
-        if (column.is_string()) columns.push_back(column.get<std::string>());
-      }
-    }
-    if (columns.empty()) columns.emplace_back("all");
-  }
-  const bool resume = json.contains("resume") && json["resume"] == true;
+  Order order;
+  order.kind = action;
+  if (!ReadOrder(json, &order, error)) return false;
   if (worker_.joinable()) worker_.join();
   job_ = Job();
   job_.kind = action;
@@ -194,8 +260,9 @@ bool Session::StartJob(const std::string& action, const Json& json,
   job_.running = true;
   stop_ = false;
   Changed();
-  worker_ = std::thread(&Session::RunJob, this, action, resume, state_, file,
-                        columns);
+  if (action == "compare") state_.compared_with = order.earlier;
+  order.state = state_;
+  worker_ = std::thread(&Session::RunJob, this, std::move(order));
   return true;
 }
 

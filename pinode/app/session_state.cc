@@ -8,10 +8,12 @@
 //  "job": {"kind", "running", "stopping", "detail", "stage", "num_stages",
 //          "iteration", "error_percent", "seconds", "at_most_seconds",
 //          "troubles", "problem", "question": {"flag", "text", "example"}},
-//  "is_checked", "is_result_old", "is_damage_old", "assumptions", "remarks",
+//  "is_checked", "is_result_old", "is_damage_old", "compared_with",
+//  "assumptions", "remarks",
 //  "has_deck", "has_later", "check", "check_later": check.json of pinode_check,
 //  "result": {"usable", "verdict", "findings", "interrupted", "parameters"},
-//  "damage": damage.json, "has_modes", "unfinished": ["result", "damage"]}
+//  "damage": damage.json, "has_case_later", "earlier_works", "has_modes",
+//  "unfinished": ["result", "damage"]}
 // Parts that are not there are null.
 
 #include <algorithm>
@@ -155,7 +157,9 @@ Json Session::ResultsJson() const {
       {"has_modes",
        fs::exists(folder_.At(std::string(kModesFolder) + "/report.html"),
                   status)},
-      {"has_case", fs::exists(folder_.case_path(), status)}};
+      {"has_case", fs::exists(folder_.case_path(), status)},
+      {"has_case_later", fs::exists(folder_.later_case_path(), status)},
+      {"earlier_works", EarlierWorks()}};
   for (const char* name : {kResultFolder, kDamageFolder}) {
     if (!job_.running && folder_.HasUnfinishedFit(name)) {
       unfinished.push_back(name);
@@ -185,6 +189,7 @@ std::string Session::State(std::int64_t known_version) {
                {"is_checked", state_.is_checked},
                {"is_result_old", state_.is_result_old},
                {"is_damage_old", state_.is_damage_old},
+               {"compared_with", state_.compared_with},
                {"assumptions", state_.assumptions},
                {"remarks", state_.remarks},
                {"has_deck", has(FileUse::kDeck)},

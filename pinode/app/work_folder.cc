@@ -103,12 +103,6 @@ void SetPlaces(const WorkState& state, DraftRequest* request) {
   if (any && request->base.empty()) request->base = "none";
 }
 
-std::string ShellWord(const std::string& text) {
-  std::string word = text;
-  ReplaceAll("'", "'\\''", &word);
-  return "'" + word + "'";
-}
-
 std::vector<std::string> StringsOf(const Json& json, const char* key) {
   std::vector<std::string> texts;
   if (!json.contains(key) || !json[key].is_array()) return texts;
@@ -228,6 +222,9 @@ bool WorkFolder::Load(WorkState* state, std::string* error) const {
       IsTrue(json, "is_checked") && fs::exists(case_path(), status);
   state->is_result_old = IsTrue(json, "is_result_old");
   state->is_damage_old = IsTrue(json, "is_damage_old");
+  if (json.contains("compared_with") && json["compared_with"].is_string()) {
+    state->compared_with = json["compared_with"].get<std::string>();
+  }
   state->assumptions = StringsOf(json, "assumptions");
   state->remarks = StringsOf(json, "remarks");
   return true;
@@ -246,6 +243,7 @@ bool WorkFolder::Save(const WorkState& state, std::string* error) const {
                      {"written", state.written},
                      {"is_result_old", state.is_result_old},
                      {"is_damage_old", state.is_damage_old},
+                     {"compared_with", state.compared_with},
                      {"assumptions", state.assumptions},
                      {"remarks", state.remarks}};
   return WriteFileAtomically(
@@ -359,6 +357,12 @@ DraftRequest RequestOf(const WorkFolder& folder, const WorkState& state) {
   request.later_case_path = folder.later_case_path();
   request.time = LogOptionsOf(state);
   return request;
+}
+
+std::string ShellWord(const std::string& text) {
+  std::string word = text;
+  ReplaceAll("'", "'\\''", &word);
+  return "'" + word + "'";
 }
 
 std::string CommandOf(const WorkFolder& folder, const WorkState& state) {

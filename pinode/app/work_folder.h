@@ -47,6 +47,8 @@ struct WorkState {
   // True if the cases have changed since the result was made.
   bool is_result_old = false;
   bool is_damage_old = false;
+  // Work whose result was compared with; empty: this one.
+  std::string compared_with;
   // Hashes of the cases as they were written, by file name: a case that was
   // edited by hand since then is not replaced.
   std::map<std::string, std::string> written;
@@ -100,6 +102,8 @@ std::string NextWork(const std::string& root);
 DraftRequest RequestOf(const WorkFolder& folder, const WorkState& state);
 // Returns the options with which its records are read.
 LogOptions LogOptionsOf(const WorkState& state);
+// Returns `text` as one word of a shell's command.
+std::string ShellWord(const std::string& text);
 // Returns the command of pinode_new, run in the folder, that drafts the same.
 std::string CommandOf(const WorkFolder& folder, const WorkState& state);
 

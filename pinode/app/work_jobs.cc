@@ -1,5 +1,6 @@
 #include "pinode/app/work_jobs.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -69,8 +70,8 @@ bool WriteCase(const std::string& path, const std::string& text,
     *changed = WithoutComments(before) != WithoutComments(text);
     if (*changed && written != HashOf(before)) {
       *error = path +
-               " was edited by hand and is not replaced. Fit it with "
-               "pinode_update, delete it, or begin a new work";
+               " was edited by hand and is not replaced. Save it below to use "
+               "it as it is, or draft it anew there";
       return false;
     }
   }
@@ -86,6 +87,20 @@ bool WriteCheck(const Case& c, const CaseCheck& check, const std::string& path,
   return folder.Open(path, true, false, error) &&
          WriteCheckFiles(c, check, folder.working_path(), error) &&
          folder.Commit(error);
+}
+
+// Takes the cases that are there for drafted ones, which may be replaced.
+bool TakeAsDrafted(const WorkFolder& folder, WorkState* state,
+                   std::string* error) {
+  std::error_code status;
+  for (const std::string& path :
+       {folder.case_path(), folder.later_case_path()}) {
+    std::string text;
+    if (!fs::exists(path, status)) continue;
+    if (!ReadBinaryFile(path, &text, error)) return false;
+    state->written[fs::path(path).filename().string()] = HashOf(text);
+  }
+  return true;
 }
 
 // True for cases with restoring forces, searches for terms, or responses of all
@@ -163,9 +178,10 @@ DamageResult NotJudged(const JudgedChange& judgement,
 
 }  // namespace
 
-bool CheckWork(const WorkFolder& folder, WorkState* state,
+bool CheckWork(const WorkFolder& folder, bool anew, WorkState* state,
                DraftQuestion* question, std::string* error) {
   *question = DraftQuestion();
+  if (anew && !TakeAsDrafted(folder, state, error)) return false;
   const DraftRequest request = RequestOf(folder, *state);
   if (request.logs.empty()) {
     *error = "there is no baseline record yet; add a file of your logger";
@@ -208,6 +224,90 @@ bool CheckWork(const WorkFolder& folder, WorkState* state,
   return true;
 }
 
+bool SaveCaseOfWork(const WorkFolder& folder, const EditedCase& edited,
+                    WorkState* state, std::string* error) {
+  const std::string path =
+      edited.is_later ? folder.later_case_path() : folder.case_path();
+  std::error_code status;
+  std::string now;
+  if (!fs::exists(path, status)) {
+    *error = "there is no case yet; check it first";
+    return false;
+  }
+  if (!ReadBinaryFile(path, &now, error)) return false;
+  if (now != edited.before) {
+    *error = path +
+             " has changed since you began to edit it. Keep a copy of your "
+             "text, and read the file again";
+    return false;
+  }
+  Case c;
+  if (!ReadCaseDraft(edited.text, path, &c, error)) return false;
+  const CaseCheck check = CheckCase(c);
+  if (!WriteFileAtomically(path, edited.text, error) ||
+      !WriteCheck(c, check,
+                  folder.At(edited.is_later ? kLaterCheckFolder : kCheckFolder),
+                  error)) {
+    return false;
+  }
+  if (!edited.is_later && edited.text != now) state->is_result_old = true;
+  if (edited.text != now) state->is_damage_old = true;
+  state->is_checked = true;
+  return true;
+}
+
+bool DraftLaterOf(const WorkFolder& earlier, const WorkFolder& folder,
+                  WorkState* state, DraftQuestion* question,
+                  std::string* error) {
+  *question = DraftQuestion();
+  WorkState known;
+  if (!earlier.Load(&known, error)) return false;
+  if (known.is_result_old) {
+    *error = "the case of " + earlier.name() +
+             " has changed since its fit; fit it again there";
+    return false;
+  }
+  const auto is_later = [](const WorkFile& file) {
+    return file.use == FileUse::kLater;
+  };
+  known.files.erase(
+      std::remove_if(known.files.begin(), known.files.end(), is_later),
+      known.files.end());
+  DraftRequest request = RequestOf(earlier, known);
+  request.later_logs = RequestOf(folder, *state).later_logs;
+  request.later_case_path = folder.later_case_path();
+  if (request.logs.empty() || request.later_logs.empty()) {
+    *error = request.logs.empty()
+                 ? earlier.name() + " has no records to compare with"
+                 : "there is no record of a later state; add one";
+    return false;
+  }
+  std::vector<CaseDraft> drafts;
+  if (!DraftCases(request, &drafts, question, error)) return false;
+  const CaseDraft& draft = drafts.back();
+  // As it is run in the folder of that work.
+  std::string later;
+  for (const std::string& log : request.later_logs) {
+    later += (later.empty() ? "" : ",") +
+             fs::path(log).lexically_relative(earlier.path()).string();
+  }
+  const std::string command =
+      CommandOf(earlier, known) + " --later=" + ShellWord(later);
+  const std::string text = CaseDraftText(draft, command);
+  Case c;
+  bool changed = false;
+  if (!ReadCaseDraft(text, draft.path, &c, error)) {
+    *error = "no case can be written for these records: " + *error;
+    return false;
+  }
+  if (!WriteCase(draft.path, text, state, &changed, error) ||
+      !WriteCheck(c, CheckCase(c), folder.At(kLaterCheckFolder), error)) {
+    return false;
+  }
+  if (changed) state->is_damage_old = true;
+  return true;
+}
+
 bool FitWork(const WorkFolder& folder, bool resume, CaseWatch* watch,
              std::string* error) {
   const auto begin = Clock::now();
@@ -231,21 +331,22 @@ bool FitWork(const WorkFolder& folder, bool resume, CaseWatch* watch,
   return WriteWork(folder, c, &fitted, &results, error);
 }
 
-bool CompareWork(const WorkFolder& folder, bool resume, CaseWatch* watch,
-                 std::string* error) {
+bool CompareWork(const WorkFolder& folder, const std::string& baseline,
+                 bool resume, CaseWatch* watch, std::string* error) {
   const auto begin = Clock::now();
   Case c;
   std::vector<Baseline> baselines(1);
   IdentifiedModel begin_from;
   if (!ReadCase(folder.later_case_path(), &c, error) ||
-      !ReadBaseline(folder.At(kResultFolder), c, &baselines[0], error) ||
+      !ReadBaseline(baseline, c, &baselines[0], error) ||
       !PrepareForBaselines(baselines, &c, &begin_from, error)) {
     return false;
   }
   ResultFolder results;
   FittedWork fitted;
   fitted.command =
-      "pinode_damage --baseline=" + std::string(kResultFolder) +
+      "pinode_damage --baseline=" +
+      fs::path(baseline).lexically_relative(folder.path()).string() +
       " --case=case_later.toml --output_dir=" + std::string(kDamageFolder);
   KeepFreedMemory();
   if (!results.Open(folder.At(kDamageFolder), true, resume, error) ||

@@ -129,9 +129,12 @@ class Page:
     def evaluate(self, expression):
         return self.browser.evaluate(expression)
 
-    def wait(self, expression):
-        """Waits until it is true. A step that has failed is not waited for."""
+    def wait(self, expression, fails=False):
+        """Waits until it is true. A step that has failed is not waited for,
+        unless it is to fail."""
         failed = "state.job && !state.job.running && state.job.problem"
+        if fails:
+            failed = "false"
         found = self.browser.wait(
             f"({expression}) ? 'true' : ({failed}) ? 'failed' : ''")
         check(found == "true", f"{'never' if found is None else 'not'} true "
@@ -214,6 +217,14 @@ class Page:
     def answer(self, name, text):
         self.fill(f"[data-answer={name}]", text)
         self.wait(f"state.answers['{name}'] === {json.dumps(text)}")
+
+    def choose(self, selector, value):
+        """Chooses an option, as its list does when it is closed."""
+        element = f"document.querySelector({json.dumps(selector)})"
+        option = f"option[value={json.dumps(value)}]"
+        self.wait(f"!!{element}.querySelector({json.dumps(option)})")
+        self.evaluate(f"{element}.value = {json.dumps(value)}; {element}"
+                      ".dispatchEvent(new Event('change', {bubbles: true}))")
 
     def drop(self, selector, *paths):
         def act(x, y):

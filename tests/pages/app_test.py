@@ -8,7 +8,8 @@ given; the case is checked and fitted; the later state is compared; and the
 verdict names the storey that has lost stiffness. At 1280 and at 390 pixels of
 width, where nothing is wider than the screen. Two tabs see one state. A fit
 that is stopped, or whose program is killed, goes on from where it was. Modes
-take three clicks. Sensors are put on the nodes of a deck. Screenshots go to
+take three clicks. The text of a case is edited; records of a later state are
+compared with the result of another work. Sensors are put on the nodes of a deck. Screenshots go to
 FOLDER. Status 77: there is no Chromium.
 
 Nothing depends on how long a step takes: states are waited for, and the fit
@@ -132,11 +133,9 @@ def slow_fit(page, other, log, work):
     page.pick("#pick-baseline", log)
     other.wait(ALL_READ % 1)  # two tabs, one state
     answer_and_check(page)
-    with open(os.path.join(work, "case.toml"), "a", encoding="utf-8") as file:
-        file.write(SLOW)
-    other.wait("state.is_checked")
+    edit_the_case(page, other, os.path.dirname(work))
     other.click("#do-fit")
-    page.wait("state.job !== null && state.job.kind === 'fit'")
+    page.wait("state.job !== null && state.job.kind === 'fit'", fails=True)
 
 
 def stop(page, other, work):
@@ -185,6 +184,47 @@ def check_goes_on(begun, reached, fresh):
     check(abs(begun / reached - 1) < 1e-6 and reached < 0.99 * fresh,
           f"a fit with the cost {reached} goes on with {begun}, "
           f"a new one begins with {fresh}")
+
+
+def edit_the_case(page, other, folder):
+    """A wrong text is refused beside its field, and a right one is saved."""
+    path = os.path.join(folder, page.evaluate("state.work"), "case.toml")
+    with open(path, encoding="utf-8") as file:
+        before = file.read()
+    page.click("#edit summary")
+    page.wait("$('#edit-text').value.includes('[model.shear_building]')")
+    page.fill("#edit-text", before + "\n[options]\nmax_iteration = 1\n")
+    page.click("#edit-save")
+    page.wait("/max_iteration/.test($('#edit-job').textContent)", fails=True)
+    page.check_width()
+    page.screenshot("edited")
+    with open(path, encoding="utf-8") as file:
+        check(file.read() == before, "a wrong text was saved")
+    after = before.replace("Building of", "House of") + SLOW
+    page.fill("#edit-text", after)
+    page.click("#edit-save")
+    other.wait("state.is_checked && state.job.kind === 'save_case' && "
+               "!state.job.running && !state.job.problem", fails=True)
+    with open(path, encoding="utf-8") as file:
+        check(file.read() == after, "the text is not saved")
+    # The draft does not replace it.
+    page.click("#do-check")
+    page.wait("/by hand/.test($('#check-job').textContent)", fails=True)
+    with open(path, encoding="utf-8") as file:
+        check(file.read() == after, "an edited case was replaced")
+
+
+def compare_with_an_earlier_work(page, log, earlier):
+    """A work with nothing but later records, and the result of another one."""
+    page.pick("#pick-later", log)
+    page.wait(ALL_READ % 1)
+    page.choose("#earlier", earlier)
+    page.click("#do-compare")
+    page.wait("!!document.querySelector('#damage-verdict') && "
+              "!state.job.running")
+    check_verdict(page, page.evaluate("$('#damage-verdict').textContent"))
+    page.check_width()
+    page.screenshot("earlier")
 
 
 def modes_in_three_clicks(page, log, folder):
@@ -266,6 +306,10 @@ def run(steps, program, scratch, shots):
     with steps.step("two files to the verdict at 390 px"):
         begin_work(narrow, wide)
         to_the_verdict(app, narrow, logs, folder)
+    with steps.step("a later state beside the result of an earlier work"):
+        earlier = narrow.evaluate("state.work")
+        begin_work(narrow, wide)
+        compare_with_an_earlier_work(narrow, logs[1], earlier)
     with steps.step("modes of a record alone"):
         begin_work(narrow, wide)
         modes_in_three_clicks(narrow, logs[0], folder)
