@@ -32,7 +32,7 @@ FLAGS = [
     "--disable-background-timer-throttling",
     "--disable-backgrounding-occluded-windows",
     "--disable-renderer-backgrounding",
-    "--password-store=basic", "--lang=en-US", "--force-prefers-reduced-motion",
+    "--password-store=basic", "--lang=en-US",
     "--remote-debugging-pipe", "--window-size=1000,900", "--hide-scrollbars"]
 
 

@@ -21,6 +21,7 @@ import shutil
 import statistics
 import sys
 import tempfile
+import time
 
 import chromium
 
@@ -101,8 +102,7 @@ def with_webgl(report, folder):
         away = browser.evaluate(f"{SECTION}.dataset.away")
         browser.send("Input.dispatchMouseEvent", type="mouseWheel", x=box[0],
                      y=box[1], deltaX=0, deltaY=-200)
-        browser.evaluate("new Promise((d) => setTimeout(d, 200))")
-        check(browser.evaluate(f"{SECTION}.dataset.away") != away,
+        check(browser.wait(f"{SECTION}.dataset.away !== '{away}'"),
               "the wheel does not zoom")
         # Two fingers, apart.
         away = browser.evaluate(f"{SECTION}.dataset.away")
@@ -125,10 +125,10 @@ def with_webgl(report, folder):
                   ".motion'); m.value = '%s'; m.dispatchEvent(new "
                   "Event('change')); })()")
         browser.evaluate(choose % "0")
-        browser.evaluate("new Promise((d) => setTimeout(d, 350))")
         moving = browser.evaluate(LOOK)[1]
-        browser.evaluate("new Promise((d) => setTimeout(d, 450))")
-        check(browser.evaluate(LOOK)[1] != moving, "the mode does not move")
+        end = time.monotonic() + chromium.PATIENCE_SECONDS
+        while browser.evaluate(LOOK)[1] == moving:
+            check(time.monotonic() < end, "the mode does not move")
         if folder:
             browser.screenshot(os.path.join(folder, "mode.png"))
         # While a mode moves and the view turns: the most work there is.
@@ -150,6 +150,18 @@ def with_webgl(report, folder):
     return min(seconds), median
 
 
+# Waits until view and page have stood still for ten frames.
+SETTLED = """(async () => {
+  const frame = () => new Promise((done) => requestAnimationFrame(done));
+  const data = document.getElementById('structure').dataset;
+  const state = () => [scrollY, data.turn, data.tilt, data.away].join();
+  for (let last = "", still = 0; still < 10; last = state()) {
+    await frame();
+    still = state() === last ? still + 1 : 0;
+  }
+})()"""
+
+
 def drag(browser, fingers, by):
     """Fingers, each (x, y), together by (x, y) in ten steps."""
     for step in range(11):
@@ -159,7 +171,7 @@ def drag(browser, fingers, by):
                          for i, (x, y) in enumerate(fingers)])
         browser.evaluate("new Promise((d) => requestAnimationFrame(d))")
     browser.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-    browser.evaluate("new Promise((d) => setTimeout(d, 300))")
+    browser.evaluate(SETTLED)
 
 
 def touch(browser, box):
