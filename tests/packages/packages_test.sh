@@ -75,6 +75,7 @@ trap 'rm -rf -- "$scratch"' EXIT
 mkdir -- "$scratch/in"
 cp -- "$packages"/*.deb "$scratch/in"
 cp -r -- "$root/data/three_storey" "$scratch/in/three_storey"
+cp -- "$root/tests/packages/app_use.py" "$scratch/in"
 sed -n '/^```cpp$/,/^```$/{/^```/d;p;/^}$/q}' "$root/README.md" >"$scratch/in/readme.cc"
 sed -i 's|data/three_storey|/in/three_storey|' "$scratch/in/readme.cc"
 cat >"$scratch/in/CMakeLists.txt" <<'END'
@@ -116,6 +117,7 @@ grep -q 'Every named parameter' check.txt
 pinode_update --case=three_storey/three_storey.toml --output_dir=out --progress=false
 test -s out/report.html
 test -s /usr/share/bash-completion/completions/pinode_update
+python3 app_use.py /usr/bin/pinode_app
 /usr/bin/python3 -c '
 import pinode
 fit = pinode.read_case("/in/three_storey/three_storey.toml").identify()

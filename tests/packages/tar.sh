@@ -54,6 +54,7 @@ $try || exit 0
 echo "== a bare Debian"
 bare_root "$scratch/root" python3 python3-venv python3-numpy
 mkdir -- "$scratch/root/in"
-cp -- "$output/$name.tar.gz" tests/packages/tar_use.sh "$scratch/root/in"
+cp -- "$output/$name.tar.gz" tests/packages/{tar_use.sh,app_use.py} \
+  "$scratch/root/in"
 in_bare_root "$scratch/root" /in/tar_use.sh
 echo "tar: made, unpacked and used"

@@ -29,6 +29,7 @@ bin/pinode_update --case="$case" --output_dir='/tmp/a result' --progress=false \
   >/tmp/update.txt
 grep '^ *k1 ' /tmp/update.txt
 test -s '/tmp/a result/report.html'
+python3 /in/app_use.py bin/pinode_app
 # Through a link, from elsewhere, and with all symbols asked for.
 ln -s "$PWD/bin/pinode_check" /usr/local/bin
 (cd / && LD_BIND_NOW=1 /usr/local/bin/pinode_check --case="$OLDPWD/$case" >/tmp/check.txt)

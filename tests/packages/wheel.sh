@@ -80,7 +80,7 @@ $try || exit 0
 
 echo "== a bare Debian"
 mkdir -- "$scratch/in"
-cp -- "$wheel" tests/packages/wheel_use.sh "$scratch/in"
+cp -- "$wheel" tests/packages/{wheel_use.sh,app_use.py} "$scratch/in"
 mkdir -- "$scratch/in/data"
 cp -r -- data/three_storey "$scratch/in/data"
 sed -n '/^```python$/,/^```$/{/^```$/q;/^```/d;p}' README.md >"$scratch/in/readme.py"

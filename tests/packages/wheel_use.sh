@@ -37,6 +37,7 @@ case $1 in
     echo "first fit after $taken s (asked: 60)"
     grep -q '^ *k1 ' update.txt
     test -s out/report.html
+    python3 app_use.py v/bin/pinode_app
     v/bin/pip check
     v/bin/python readme.py >readme.txt
     grep -q k1 readme.txt
