@@ -9,8 +9,8 @@ verdict names the storey that has lost stiffness. At 1280 and at 390 pixels of
 width, where nothing is wider than the screen. Two tabs see one state. A fit
 that is stopped, or whose program is killed, goes on from where it was. Modes
 take three clicks. The text of a case is edited; records of a later state are
-compared with the result of another work. Sensors are put on the nodes of a deck. Screenshots go to
-FOLDER. Status 77: there is no Chromium.
+compared with the result of another work. Names that are markup run nothing.
+Sensors are put on the nodes of a deck. Screenshots go to FOLDER. Status 77: there is no Chromium.
 
 Nothing depends on how long a step takes: states are waited for, and the fit
 that is stopped and killed never ends by itself. The last lines of a failure say
@@ -35,6 +35,7 @@ FRAME_PLACES = {"fx": "force:3153.1", "fy": "force:2151.2",
                 "a2y": "1101.2", "a3x": "1151.1", "a3y": "1151.2"}
 TRUE_CHANGE_PERCENT = -100 * two_logs.LOST
 WEIGHTS = ", ".join(f"{weight:.0f}" for weight in two_logs.WEIGHTS_KN) + " kN"
+HOSTILE = "<img src=x onerror=window.isHostile=1>"
 ALL_READ = ("state.files.length === %d && "
             "state.files.every((file) => file.state === 'read')")
 # With this network a fit takes hundreds of iterations, and longer than a test:
@@ -227,6 +228,16 @@ def compare_with_an_earlier_work(page, log, earlier):
     page.screenshot("earlier")
 
 
+def with_hostile_names(log):
+    """A copy whose name and column are markup that would run a script."""
+    copy = os.path.join(os.path.dirname(log), f"{HOSTILE}.csv")
+    with open(log, encoding="utf-8") as file:
+        text = file.read()
+    with open(copy, "w", encoding="utf-8") as file:
+        file.write(text.replace("Etage 2", HOSTILE))
+    return copy
+
+
 def modes_in_three_clicks(page, log, folder):
     """Choose the files, confirm, find: the report is there."""
     page.pick("#pick-baseline", log)  # 1 and 2: the button and its dialog
@@ -238,6 +249,13 @@ def modes_in_three_clicks(page, log, folder):
                            "modes.json"), encoding="utf-8") as file:
         modes = json.load(file)["modes"]
     check(len(modes) >= 1, "no modes")
+    # Names are shown, and nothing of them is run.
+    page.wait(f"allColumns().some((column) => column.name === '{HOSTILE}')")
+    check(page.evaluate("document.body.innerText").count(HOSTILE) >= 2,
+          "names are not shown as they are")
+    check(page.evaluate("window.isHostile === undefined && "
+                        "document.querySelectorAll('img').length === 0"),
+          "a name was run as markup")
 
 
 def put_on_node(page, column, place):
@@ -312,7 +330,7 @@ def run(steps, program, scratch, shots):
         compare_with_an_earlier_work(narrow, logs[1], earlier)
     with steps.step("modes of a record alone"):
         begin_work(narrow, wide)
-        modes_in_three_clicks(narrow, logs[0], folder)
+        modes_in_three_clicks(narrow, with_hostile_names(logs[0]), folder)
     with steps.step("a fit is stopped in another tab"):
         begin_work(wide, narrow)
         work = os.path.join(folder, wide.evaluate("state.work"))

@@ -338,7 +338,7 @@ class DataFileReader {
       return false;
     }
     TomlValue record = TomlValue::Table();
-    record.Set("name", TomlValue::String(FileName(file_.path)));
+    record.Set("name", TomlValue::String(RecordName(file_.path)));
     record.Set("file", TomlValue::String(FileName(file_.path)));
     if (time_.empty()) {
       record.Set("sampling_rate_hz", TomlValue::Float(file_.sampling_rate_hz));
@@ -369,6 +369,20 @@ class DataFileReader {
   }
 
  private:
+  // The name of the file, with '_' for what no record may be called: loggers
+  // write "Messung 1 (neu).csv".
+  static std::string RecordName(const std::string& path) {
+    std::string name = FileName(path).substr(0, 100);
+    for (char& c : name) {
+      const bool is_allowed =
+          std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+          static_cast<unsigned char>(c) >= 0x80 || c == '_' || c == '-' ||
+          c == '.' || c == '+';
+      if (!is_allowed) c = '_';
+    }
+    if (name[0] == '.') name[0] = '_';
+    return name;
+  }
   static std::string FileName(const std::string& path) {
     return path.substr(path.find_last_of('/') + 1);
   }

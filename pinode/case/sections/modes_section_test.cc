@@ -186,6 +186,14 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   EXPECT_NEAR(record.samples(1, 7), record_.samples(1, 7),
               1e-9 * std::abs(record_.samples(1, 7)));
 
+  // No record may be called as this file is.
+  folder_.Write("Messung 1 (neu).csv", "t,a1\n0,1\n0.02,3\n0.04,2\n0.06,4\n");
+  file.path = folder_.Path("Messung 1 (neu).csv");
+  file.quantities = {};
+  file.columns = {"all"};
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  EXPECT_EQ(c.records[0].name, "Messung_1__neu_.csv");
+
   // A column that is called as times are is no channel, and that is said.
   folder_.Write("both.csv",
                 "Time [s],t,a1\n0,3,1\n0.02,1,3\n0.04,2,2\n0.06,7,4\n");
