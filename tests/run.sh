@@ -15,6 +15,21 @@ cd -- "$root"
 jobs=$(nproc)
 failed=()
 
+# end_of_failures BUILD: prints the last lines of each test that has failed
+# there. They stand at the end of the output, which may be all that is kept.
+end_of_failures() {
+  local logs=$1/Testing/Temporary name
+  [[ -s $logs/LastTestsFailed.log ]] || return 0
+  while read -r name; do
+    echo "== the end of $name in $1"
+    awk -v name="$name" '
+      / Test: / { header = $0; sub(/^[0-9]+\/[0-9]+ Test: /, "", header)
+                  shown = header == name }
+      /^<end of output>/ { shown = 0 }
+      shown' "$logs/LastTest.log" | tail -n 15 | cut -c 1-400
+  done < <(cut -d: -f2- "$logs/LastTestsFailed.log" | head -n 5)
+}
+
 apps/install_packages.sh apps/packages.txt tests/packages.txt \
   pinode/site/packages.txt
 
@@ -44,6 +59,9 @@ for preset in release asan tsan; do
 done
 
 if [[ ${#failed[@]} -gt 0 ]]; then
+  for preset in "${failed[@]}"; do
+    end_of_failures "build-$preset"
+  done
   echo "failed: ${failed[*]}" >&2
   exit 1
 fi

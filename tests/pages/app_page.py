@@ -19,7 +19,7 @@ OPENER = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 PATIENCE_SECONDS = chromium.PATIENCE_SECONDS
 # Lines and width of the report on a failure: continuous integration shows the
 # end of the output alone.
-LINES_OF_A_PART = 4
+LINES_OF_A_PART = 3
 WIDTH_OF_A_LINE = 300
 
 
