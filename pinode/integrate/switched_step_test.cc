@@ -2,93 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <memory>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "pinode/base/logging.h"
-#include "pinode/dynamics/library_law.h"
 #include "pinode/integrate/free_run.h"
 #include "pinode/integrate/segment.h"
+#include "tests/support/bouncing_ball_testing.h"
 
 namespace pinode {
 namespace {
 
 constexpr double kSamplingStep = 0.005;
 
-// Adds a library of these functions of x and v, an acceleration of one mass.
-std::unique_ptr<StructuralDynamics> MakeMass(
-    const std::vector<std::string>& terms, const std::vector<double>& values) {
-  StructuralModel model;
-  model.dof_names = {"u"};
-  model.mass = Matrix::Identity(1, 1);
-  model.damping = model.stiffness = Matrix::Zero(1, 1);
-  model.influence = model.support_mass_coupling = Matrix::Zero(1, 0);
-  auto dynamics = std::make_unique<StructuralDynamics>(
-      std::move(model), std::vector<InputSpec>());
-  std::vector<LibraryFunction> functions(terms.size());
-  LawTerm term;
-  std::string error;
-  for (size_t k = 0; k < terms.size(); ++k) {
-    CHECK(LibraryFunction::Parse(terms[k], {"x[u]", "v[u]"}, &functions[k],
-                                 &error))
-        << error;
-    Parameter parameter;
-    parameter.name = terms[k];
-    parameter.value = values[k];
-    term.parameters.parameters.push_back(parameter);
-  }
-  term.name = term.parameters.name = "law";
-  term.type = "library";
-  term.law = std::make_shared<LibraryLaw>(2, std::move(functions));
-  term.features = {Feature::Displacement(0), Feature::Velocity(0)};
-  term.outputs = Matrix::Identity(1, 1);
-  term.acts_as = ActsAs::kAcceleration;
-  CHECK(dynamics->AddLaw(std::move(term), &error)) << error;
-  return dynamics;
-}
-
-// Ball that falls from rest at x = 0 onto a spring and a damper at x = -1.
-std::unique_ptr<StructuralDynamics> MakeBall(const Vector& values) {
-  return MakeMass({"1", "x[u] < -1 ? -(x[u]+1) : 0", "x[u] < -1 ? -v[u] : 0"},
-                  {values[0], values[1], values[2]});
-}
-
-// State of the ball in closed form, after one contact.
 Vector ClosedForm(const Vector& values, double time) {
-  const double g = -values[0];
-  const double k = values[1];
-  const double c = values[2];
-  const double fall = std::sqrt(2.0 / g);
-  const double speed = -std::sqrt(2.0 * g);
-  // y = x + 1 oscillates around -g / k while it is below 0.
-  const double a = 0.5 * c;
-  const double w = std::sqrt(k - a * a);
-  const double rest = -g / k;
-  const double sine = (speed - a * rest) / w;
-  const auto y = [&](double t) {
-    return rest + std::exp(-a * t) *
-                      (-rest * std::cos(w * t) + sine * std::sin(w * t));
-  };
-  const auto v = [&](double t) {
-    return std::exp(-a * t) * ((a * rest + w * sine) * std::cos(w * t) +
-                               (w * rest - a * sine) * std::sin(w * t));
-  };
-  double low = 1.5 / w;
-  double high = 3.5 / w;
-  for (int i = 0; i < 200; ++i) {
-    const double middle = 0.5 * (low + high);
-    (y(middle) < 0.0 ? low : high) = middle;
-  }
-  const double flight = time - fall - low;
-  CHECK_GT(flight, 0.0);
-  Vector state(2);
-  state << -1.0 + v(low) * flight - 0.5 * g * flight * flight,
-      v(low) - g * flight;
-  return state;
+  return testing::BallPath(values).At(time);
 }
 
 class BouncingBall : public ::testing::Test {
@@ -117,7 +44,7 @@ class BouncingBall : public ::testing::Test {
 
 TEST_F(BouncingBall, StepsKeepTheirOrder) {
   const Vector truth = ClosedForm(values_, time_);
-  const auto ball = MakeBall(values_);
+  const auto ball = testing::MakeBall(values_);
   const auto error = [&](int substeps) {
     return (Propagate(*ball, SegmentColumns::kNone, substeps).end_state - truth)
         .norm();
@@ -132,8 +59,8 @@ TEST_F(BouncingBall, StepsKeepTheirOrder) {
 // Contact of a sphere (Hertz): behind its switch the law has no value, and the
 // step that leaves the contact is a plain one.
 TEST_F(BouncingBall, LawsMayHaveNoValueBehindTheirSwitch) {
-  const auto ball = MakeMass({"1", "x[u] < -1 ? (-(x[u]+1))^1.5 : 0"},
-                             {values_[0], values_[1]});
+  const auto ball = testing::MakeMass(
+      {{"1", values_[0]}, {"x[u] < -1 ? (-(x[u]+1))^1.5 : 0", values_[1]}});
   for (const int substeps : {1, 3, 10}) {
     const Vector state =
         Propagate(*ball, SegmentColumns::kNone, substeps).end_state;
@@ -145,7 +72,7 @@ TEST_F(BouncingBall, LawsMayHaveNoValueBehindTheirSwitch) {
 }
 
 TEST_F(BouncingBall, SensitivitiesGoThroughTheJumps) {
-  const auto ball = MakeBall(values_);
+  const auto ball = testing::MakeBall(values_);
   const SegmentTangents tangents = Propagate(*ball, SegmentColumns::kAll);
   for (int p = 0; p < 3; ++p) {
     const double step = 1e-5 * std::abs(values_[p]);
@@ -167,7 +94,7 @@ TEST_F(BouncingBall, SensitivitiesGoThroughTheJumps) {
 TEST(SwitchedStep, FrictionThatSticksIsAPlainStep) {
   // Dry friction brings the mass to rest, where the sign has no branch that
   // leads through zero.
-  const auto mass = MakeMass({"-sign(v[u])"}, {2.0});
+  const auto mass = testing::MakeMass({{"-sign(v[u])", 2.0}});
   StructuralDynamics::Prepared prepared;
   std::string error;
   ASSERT_TRUE(mass->Prepare(mass->Parameters(), &prepared, &error));
@@ -186,9 +113,10 @@ TEST(SwitchedStep, FrictionThatSticksIsAPlainStep) {
 }
 
 TEST(SwitchedStep, LinearMotionHasNoPieces) {
-  const auto spring = MakeMass({"-x[u]"}, {4.0});
+  const auto spring = testing::MakeMass({{"-x[u]", 4.0}});
   EXPECT_EQ(spring->num_switches(), 0);
-  EXPECT_EQ(MakeBall((Vector(3) << -9.0, 1.0, 1.0).finished())->num_switches(),
+  EXPECT_EQ(testing::MakeBall((Vector(3) << -9.0, 1.0, 1.0).finished())
+                ->num_switches(),
             2);
 }
 
