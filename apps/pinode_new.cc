@@ -57,9 +57,11 @@ DEFINE_string(first_mode_hz, "",
               "frequency of the first mode, if the records do not show it");
 DEFINE_string(damping_ratio, "0.02",
               "initial damping as a fraction of critical; the fit updates it");
-DEFINE_string(damping, "",
-              "free damping: rayleigh (two factors) or modes (a ratio for each "
-              "of the lowest five, one for the others); empty: rayleigh");
+DEFINE_string(
+    damping, "",
+    "free damping: storeys (a factor each), rayleigh (two factors) or "
+    "modes (a ratio for each of the lowest five, one for the "
+    "others); empty: storeys if the records show them, else rayleigh");
 DEFINE_string(base, "",
               "column of the acceleration of the base, or 'none'; empty: found "
               "by its name");

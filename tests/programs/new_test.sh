@@ -98,6 +98,12 @@ Run 0 pinode_damage --baseline=frame_result --case=frame_later.toml \
   --output_dir=frame_damage --progress=false
 grep -q '"message": "Damage: k2 (-1[45]\(\.[0-9]*\)\? %) lost stiffness' \
   frame_damage/damage.json || Fail "expected damage in k2"
+# The damping of the second storey is in proportion to its stiffness.
+! grep -q "model lacks something" frame_damage/damage.json ||
+  Fail "the model lacks something"
+Groups frame_damage | awk '
+  $1 == "c2" { found = $2 > -0.19 && $2 < -0.11 } END { exit !found }' ||
+  Fail "expected -15 % in c2"
 Groups frame_damage | awk '
   $1 == "k2" { found = $2 > -0.16 && $2 < -0.14 }
   $1 ~ /^k[1345]$/ && ($2 > 0.01 || $2 < -0.01) { wrong = 1 }

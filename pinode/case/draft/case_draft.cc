@@ -239,12 +239,7 @@ bool SetStiffnesses(const DraftRequest& request, CaseDraft* draft,
 bool SetDamping(const DraftRequest& request, CaseDraft* draft,
                 DraftQuestion* question, std::string* error) {
   const bool is_deck = draft->deck != nullptr;
-  if (!request.damping.empty() && request.damping != "rayleigh" &&
-      request.damping != "modes") {
-    *error = "--damping is " + Quote(request.damping) +
-             ", expected rayleigh or modes";
-    return false;
-  }
+  if (!IsDampingKind(request.damping, is_deck, error)) return false;
   if (request.damping == "modes") {
     DraftDamping(draft);
     return true;
@@ -272,7 +267,8 @@ bool SetDamping(const DraftRequest& request, CaseDraft* draft,
   }
   draft->rayleigh_mass = coefficients.mass;
   draft->rayleigh_stiffness = coefficients.stiffness;
-  return true;
+  if (is_deck || request.damping == "rayleigh") return true;
+  return DraftStoreyDamping(request.damping == "storeys", draft, error);
 }
 
 // Returns a name for a record that may be part of file names.
@@ -487,6 +483,7 @@ bool DraftCases(const DraftRequest& request, std::vector<CaseDraft>* drafts,
   later.first_mode_hz = draft.first_mode_hz;
   later.rayleigh_mass = draft.rayleigh_mass;
   later.rayleigh_stiffness = draft.rayleigh_stiffness;
+  later.storeys_are_damped = draft.storeys_are_damped;
   later.damped_modes = draft.damped_modes;
   later.damped_from = draft.damped_from;
   later.some_damping_is_hidden = draft.some_damping_is_hidden;

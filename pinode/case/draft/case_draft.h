@@ -32,8 +32,9 @@ struct DraftRequest {
   std::string stiffness;
   std::string first_mode_hz;
   std::string damping_ratio = "0.02";
-  // Free damping: "rayleigh" (two factors) or "modes" (ratios); empty:
-  // rayleigh.
+  // Free damping: "storeys" (a factor each, and one in proportion to mass),
+  // "rayleigh" (two factors) or "modes" (ratios). Empty: storeys if the records
+  // show them, else rayleigh.
   std::string damping;
 
   // A deck in place of storeys; the units of its numbers, "N, m", and the
@@ -100,11 +101,14 @@ struct CaseDraft {
   // are 0 if the ratios of modes are. a1 = 0 for one storey.
   double rayleigh_mass = 0.0;
   double rayleigh_stiffness = 0.0;
+  // True: a1 K has a factor for each storey. False: one factor.
+  bool storeys_are_damped = false;
   // Modes whose damping ratio is free, from 1 on, each with a group of its own;
   // and the first of the higher modes that share one group (0: none).
   std::vector<int> damped_modes;
   int damped_from = 0;
-  // True if modes are left out whose damping the records do not show.
+  // True if modes or storeys are left out whose damping the records do not
+  // show.
   bool some_damping_is_hidden = false;
   // Model of a deck in place of masses and stiffnesses; null: storeys.
   std::shared_ptr<const DeckModel> deck;

@@ -123,8 +123,8 @@ TEST_F(CaseDraftTest, CaseSaysWhatTheFilesAndTheUserSay) {
   // In the model's units of acceleration.
   EXPECT_NEAR(record.channels[0].description.factor, 9.80665e-3, 1e-12);
   EXPECT_THAT(draft.remarks, IsEmpty());
-  // Two storeys and two parts of the damping are free.
-  EXPECT_EQ(c.problem.dynamics->groups().size(), 4u);
+  // The stiffness and the damping of two storeys, and damping by mass are free.
+  EXPECT_EQ(c.problem.dynamics->groups().size(), 5u);
   EXPECT_EQ(record.num_samples(), 1500);
 }
 
@@ -136,6 +136,7 @@ TEST_F(CaseDraftTest, LaterStateHasTheSameModel) {
   EXPECT_GT(drafts[0].rayleigh_mass, 0.0);
   EXPECT_EQ(drafts[0].rayleigh_mass, drafts[1].rayleigh_mass);
   EXPECT_EQ(drafts[0].rayleigh_stiffness, drafts[1].rayleigh_stiffness);
+  EXPECT_TRUE(drafts[1].storeys_are_damped);
   request_.damping = "modes";
   const std::vector<CaseDraft> by_modes = DraftOrFail();
   ASSERT_EQ(by_modes.size(), 2u);
@@ -239,7 +240,41 @@ TEST_F(CaseDraftTest, DampingOfAnotherKindIsRefused) {
   DraftQuestion question;
   std::string error;
   EXPECT_FALSE(DraftCases(request_, &drafts, &question, &error));
-  EXPECT_EQ(error, "--damping is 'viscous', expected rayleigh or modes");
+  EXPECT_EQ(error,
+            "--damping is 'viscous', expected storeys, rayleigh or modes");
+}
+
+// The damping C = a0 M + a1 K of the draft, with factors c_mass and c1, c2.
+TEST_F(CaseDraftTest, DampingOfStoreysIsFree) {
+  const CaseDraft draft = DraftOrFail()[0];
+  EXPECT_TRUE(draft.storeys_are_damped);
+  const Case c = ReadBack(draft);
+  const StructuralDynamics& dynamics = *c.problem.dynamics;
+  ASSERT_EQ(dynamics.groups().size(), 5u);
+  const StructuralModel model =
+      dynamics.CorrectedModel(Vector{{0.0, 0.0, -1.0, 0.5, 2.0}});
+  const double c1 = 1.5 * draft.rayleigh_stiffness * draft.stiffnesses[0];
+  const double c2 = 3.0 * draft.rayleigh_stiffness * draft.stiffnesses[1];
+  const Matrix expected = (Matrix(2, 2) << c1 + c2, -c2, -c2, c2).finished();
+  EXPECT_LT((model.damping - expected).norm(), 1e-6 * expected.norm());
+}
+
+// Storeys without sensors: factors for each would not be determined.
+TEST_F(CaseDraftTest, DampingOfStoreysThatTheRecordsDoNotShow) {
+  request_.storeys = "7";
+  request_.sensors = "Beschl. D\xC3\xA4mpfer 1. OG=3,Dach=7";
+  const CaseDraft draft = DraftOrFail()[0];
+  EXPECT_FALSE(draft.storeys_are_damped);
+  EXPECT_THAT(CaseDraftText(draft, ""),
+              HasSubstr("# The records do not show the damping of each "
+                        "storey.\n"));
+  EXPECT_EQ(ReadBack(draft).problem.dynamics->groups().size(), 9u);
+  request_.damping = "storeys";
+  std::vector<CaseDraft> drafts;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(DraftCases(request_, &drafts, &question, &error));
+  EXPECT_THAT(error, HasSubstr("Give --damping=rayleigh or --damping=modes"));
 }
 
 TEST_F(CaseDraftTest, GivenStiffnesses) {

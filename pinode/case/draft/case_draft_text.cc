@@ -187,16 +187,49 @@ void AddStoreys(const CaseDraft& draft, std::string* out) {
   }
 }
 
+// Adds the damping of each storey, with a factor on its initial value.
+void AddDampers(const CaseDraft& draft, std::string* out) {
+  const UnitSystem& units = draft.units;
+  std::string below = "ground";
+  for (int i = 1; i <= draft.num_storeys(); ++i) {
+    const std::string floor = "u" + std::to_string(i);
+    *out += "\n[[group]]\n";
+    AppendLine("name    = " + TomlText(DraftedDamperName(i)),
+               i == 1 ? "the damping of each storey" : "", out);
+    AppendLine("adds_to = \"damping\"", "", out);
+    AppendLine("between = [" + TomlText(below) + ", " + TomlText(floor) + "]",
+               "", out);
+    AppendLine(
+        "scale   = " +
+            TomlNumber(draft.rayleigh_stiffness *
+                       draft.stiffnesses[static_cast<size_t>(i - 1)]),
+        i == 1 ? units.force + "*" + units.time + "/" + units.length : "", out);
+    AppendLine("lower   = -1.0", "", out);
+    below = floor;
+  }
+}
+
 // Adds the factors on Rayleigh's damping.
 void AddRayleigh(const CaseDraft& draft, std::string* out) {
   *out +=
-      "# The two parts of the damping, each with a factor: -1 removes it.\n";
+      draft.storeys_are_damped
+          ? "# The parts of the damping, each with a factor: -1 removes "
+            "it.\n"
+          : "# The two parts of the damping, each with a factor: -1 removes "
+            "it.\n";
+  if (!draft.storeys_are_damped && draft.some_damping_is_hidden) {
+    *out += "# The records do not show the damping of each storey.\n";
+  }
   *out += "[[group]]\n";
-  AppendLine("name            = \"c_mass\"", "", out);
+  AppendLine("name            = " + TomlText(kDraftedMassDamping), "", out);
   AppendLine("adds_to         = \"damping\"", "", out);
   AppendLine("proportional_to = \"mass\"", "", out);
   AppendLine("scale           = " + TomlNumber(draft.rayleigh_mass), "", out);
   AppendLine("lower           = -1.0", "", out);
+  if (draft.storeys_are_damped) {
+    AddDampers(draft, out);
+    return;
+  }
   if (draft.rayleigh_stiffness <= 0.0) return;
   *out += "\n[[group]]\n";
   AppendLine("name            = \"c_stiffness\"", "", out);
@@ -371,6 +404,10 @@ std::string CaseDraftText(const CaseDraft& draft, const std::string& command) {
     text += "# - " + remark + "\n";
   }
   return text;
+}
+
+std::string DraftedDamperName(int storey) {
+  return "c" + std::to_string(storey);
 }
 
 std::string DraftedRatioName(const CaseDraft& draft, int mode) {

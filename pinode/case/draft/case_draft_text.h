@@ -14,6 +14,12 @@ namespace pinode {
 // `draft.path`. `command` is the command line, for the first comment.
 std::string CaseDraftText(const CaseDraft& draft, const std::string& command);
 
+// Name of the group of the damping in proportion to mass.
+inline constexpr char kDraftedMassDamping[] = "c_mass";
+
+// Name of the group of the damping of this storey.
+std::string DraftedDamperName(int storey);
+
 // Name of the group of the damping ratio of this mode, or of this one and all
 // higher ones.
 std::string DraftedRatioName(const CaseDraft& draft, int mode);

@@ -262,7 +262,8 @@ CaseTable GroupKeys() {
           {"mode", "whole number", "from 1", "none",
            "Of damping: that of one mode of the model with the damping ratio "
            "`ratio`, as in `damping = {ratios = [...]}`. alpha = 0.5 adds half "
-           "of it."},
+           "of it. The modes are those of the initial model; in a reduction "
+           "with `renew` they follow the fit."},
           {"modes_from", "whole number", "from 1", "none",
            "Of damping: the same for this mode and all higher ones."},
           {"ratio", "number", "", "needed with `mode` and `modes_from`",

@@ -131,8 +131,8 @@ CaseTable OptionsKeys() {
                "Number of starts. 0: 8 for linear structures with twice as "
                "many stiffness groups as sensors, 16 for frequencies without "
                "shapes, else 1. Starts are drawn between `lower` and `upper`, "
-               "or two `prior_sigma`; without these stiffness groups from half "
-               "to twice their nominal size, damping from a third to three "
+               "or two `prior_sigma`. Without these, stiffness goes from half "
+               "to twice its nominal size, and damping from a third to three "
                "times. The best has the least training free-run error, without "
                "records the least cost."},
               {"seed", "whole number", "", "1", "Seed of all random numbers."},
