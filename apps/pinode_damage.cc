@@ -144,7 +144,7 @@ int RunProgram(int argc, char** argv) {
   int status;
   if (!ParseFlags(
           argc, argv,
-          "pinode_damage --baseline=FOLDER[,FOLDER...] --case=FILE "
+          "pinode_damage --baseline=FOLDER,... --case=FILE "
           "--output_dir=FOLDER\n\n"
           "Finds what changed in a structure relative to its baselines.",
           &status)) {

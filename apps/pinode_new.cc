@@ -354,9 +354,9 @@ int RunProgram(int argc, char** argv) {
   std::vector<std::string> logs;
   if (!ParseFlags(
           argc, argv,
-          "pinode_new LOG [LOG...] [--later=FILE,...] --storeys=N "
-          "--weights=WEIGHTS [--deck=FILE] [--case=FILE] "
-          "[--output_dir=FOLDER]\n\n"
+          "pinode_new LOG... --storeys=N --weights=WEIGHTS [--later=FILE,...]\n"
+          "  or:  pinode_new LOG... --deck=FILE --deck_units=UNITS "
+          "[--case=FILE]\n\n"
           "Drafts a case from the files of data loggers, and asks on a "
           "terminal for missing answers. The structure is a frame of "
           "storeys with sensors at its base and floors, or a "

@@ -24,18 +24,13 @@ void ProgressLine::Show(const std::string& prefix,
   if (!enabled_ || !Due()) return;
   char text[256];
   std::snprintf(text, sizeof(text),
-                "stage %d/%d  iteration %d  cost %.6g  simulation error %.3g  "
-                "%.0f s",
+                "stage %d of %d, iteration %d, cost %.4g, simulation error "
+                "%.3g %%, %.0f s",
                 progress.stage, progress.num_stages, progress.iteration,
-                progress.cost, progress.free_run_error,
+                progress.cost, 100.0 * progress.free_run_error,
                 progress.elapsed_seconds);
-  std::string line = prefix + text;
-  if (progress.expected_seconds > 0.0) {
-    std::snprintf(text, sizeof(text), ", at most %.0f s",
-                  std::ceil(progress.expected_seconds));
-    line += text;
-  }
-  Print(line);
+  // The time that is left is not known: a stage ends when it has converged.
+  Print(prefix + text);
 }
 
 void ProgressLine::End() {

@@ -6,8 +6,8 @@
 //  "answers": {name: text}, "places": {column: place},
 //  "guessed": {column: place},
 //  "job": {"kind", "running", "stopping", "detail", "stage", "num_stages",
-//          "iteration", "error_percent", "seconds", "at_most_seconds",
-//          "troubles", "problem", "question": {"flag", "text", "example"}},
+//          "iteration", "error_percent", "seconds", "troubles", "problem",
+//          "question": {"flag", "text", "example"}},
 //  "is_checked", "is_result_old", "is_damage_old", "compared_with",
 //  "assumptions", "remarks",
 //  "has_deck", "has_later", "check", "check_later": check.json of pinode_check,
@@ -136,7 +136,6 @@ Json Session::JobJson() const {
           {"iteration", job_.progress.iteration},
           {"error_percent", NumberOrNull(100.0 * job_.progress.free_run_error)},
           {"seconds", NumberOrNull(job_.progress.elapsed_seconds)},
-          {"at_most_seconds", NumberOrNull(job_.progress.expected_seconds)},
           {"troubles", job_.troubles},
           {"problem", job_.error},
           {"question", QuestionJson(job_.question)}};

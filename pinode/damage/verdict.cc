@@ -226,10 +226,14 @@ void AddRivals(const std::vector<ChangeSubject>& subjects,
     const size_t found = static_cast<size_t>(rival.found);
     const size_t other = static_cast<size_t>(rival.other);
     if (!estimate.groups[found].changed) continue;
-    const std::string text =
-        Describe(subjects[other]) + " instead of " + Describe(subjects[found]);
+    const std::string rival_text = Describe(subjects[other]);
+    const std::string found_text = Describe(subjects[found]);
+    const std::string text = rival_text + " instead of " + found_text;
     if (subjects[found].kind == subjects[other].kind) {
-      if (estimate.explanations.empty()) findings->instead.push_back(text);
+      // Two laws at one place have the same description.
+      if (estimate.explanations.empty() && rival_text != found_text) {
+        findings->instead.push_back(text);
+      }
       continue;
     }
     if (HasChanged((*reasons)[found])) (*reasons)[found] = Reason::kAmbiguous;

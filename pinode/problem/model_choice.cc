@@ -33,7 +33,8 @@ std::string ModelChoice::Sentence() const {
   }
   std::string text =
       complete ? "Model choice: " : "Model choice (interrupted): ";
-  text += std::to_string(candidates.size()) + " candidates, " +
+  text += std::to_string(candidates.size()) +
+          (candidates.size() == 1 ? " candidate, " : " candidates, ") +
           std::to_string(kept.size()) + " kept";
   if (!kept.empty()) text += " (" + Join(kept, ", ") + ")";
   text +=

@@ -175,7 +175,8 @@ bool SetDeck(const DraftRequest& request, CaseDraft* draft,
   if (!deck->left_out.empty()) {
     draft->assumptions.push_back(
         request.deck + ": left out, because no element set has their name: " +
-        Join(deck->left_out, ", ") + ".");
+        Join(deck->left_out, ", ") +
+        ". Name an export like its set, such as SET.sti or mass_SET.mas.");
   }
   draft->deck = deck;
   return true;

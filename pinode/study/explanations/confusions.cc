@@ -28,8 +28,9 @@ std::string ListOf(const std::vector<std::string>& names) {
     if (quoted.size() < kMost) quoted.push_back("'" + name + "'");
   }
   if (names.size() <= kMost) return Join(quoted, " and ");
-  return Join(quoted, ", ") + " and " + std::to_string(names.size() - kMost) +
-         " others";
+  const size_t more = names.size() - kMost;
+  return Join(quoted, ", ") + " and " + std::to_string(more) +
+         (more == 1 ? " other" : " others");
 }
 
 // True if all that takes over an error in `suspect` is free in the problem and

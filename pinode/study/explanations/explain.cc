@@ -11,6 +11,7 @@
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/block_estimates.h"
+#include "pinode/study/explanations/close_numbers.h"
 #include "pinode/study/explanations/confusions.h"
 #include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/explanations/refit_search.h"
@@ -144,8 +145,9 @@ class Report {
     const ParameterEstimate* own = FindEstimate(fit_, explanation.moved);
     for (const ExplainedValue& value : explanation.values) {
       if (own == nullptr || value.name != explanation.moved) continue;
-      return FormatNumber(value.value, 3) + " instead of " +
-             FormatNumber(own->value, 3);
+      const int digits = DigitsToTellApart({value.value, own->value});
+      return FormatNumber(value.value, digits) + " instead of " +
+             FormatNumber(own->value, digits);
     }
     return "another value";
   }
@@ -266,13 +268,18 @@ class Report {
       return "";
     }
     const bool is_share = interval.unit == "%";
+    const bool is_bounded = std::isfinite(interval.upper - interval.lower);
+    const int digits = is_bounded
+                           ? DigitsToTellApart({interval.lower, interval.value,
+                                                interval.upper})
+                           : 3;
     const auto text = [&](double value) {
-      return FormatNumber(is_share ? 100.0 * value : value, 3);
+      return FormatNumber(is_share ? 100.0 * value : value, digits);
     };
     std::string result = ", ";
     if (is_share && interval.value > 0.0) result += "+";
     result += text(interval.value);
-    if (std::isfinite(interval.upper - interval.lower)) {
+    if (is_bounded) {
       result +=
           " (" + text(interval.lower) + " to " + text(interval.upper) + ")";
     }

@@ -12,6 +12,7 @@
 #include "pinode/dynamics/feature.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/close_numbers.h"
 #include "pinode/study/explanations/confusions.h"
 #include "pinode/study/explanations/record_checks.h"
 #include "pinode/study/explanations/score_test.h"
@@ -37,6 +38,14 @@ std::vector<std::string> Checks(const Verdict& verdict) {
     checks.push_back(finding.check);
   }
   return checks;
+}
+
+TEST(CloseNumbers, AreToldApart) {
+  EXPECT_EQ(DigitsToTellApart({31.4, 29.0, 33.0}), 3);
+  EXPECT_EQ(DigitsToTellApart({0.99931, 0.99884, 0.99978}), 4);
+  EXPECT_EQ(DigitsToTellApart({0.998, 0.99931, 0.99978}), 3);
+  EXPECT_EQ(DigitsToTellApart({2.0, 2.0}), 3);
+  EXPECT_EQ(DigitsToTellApart({1.0, 1.0 + 1e-12}), 8);
 }
 
 TEST(Explain, FindsNothingWhereNothingIsWrong) {
