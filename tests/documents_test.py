@@ -13,6 +13,9 @@ backquotes: programs, their flags, scripts and presets are there. Every program
 is in the tables of README.md and apps/README.md. Files that have to name the
 version themselves have the one that CMakeLists.txt sets.
 
+Of the sentences in the pages that a user reads first, at most 5 % have more
+than 25 words (tests/sentences.py lists them).
+
 Prints `file:line: what, and what was expected` for each that is not so and
 exits 1.
 """
@@ -22,6 +25,8 @@ import pathlib
 import re
 import sys
 import tomllib
+
+from sentences import MOST_WORDS, sentences
 
 # Pages whose C++ tests/install_test.sh builds, and whose Python
 # pinode/python/tests/package_test.py runs.
@@ -37,6 +42,13 @@ VERSIONS = {
     "pinode/cmake/vcpkg/vcpkg.json": r'^  "version": "(.*?)"',
     "CHANGELOG.md": r"^## (\d\S*)",
 }
+
+# The pages of a new user, and the largest share of long sentences there. It is
+# 0.6 % where the tables of keys are and less elsewhere (28 November 2026).
+FIRST_PAGES = ["README.md", "pinode/case/*.md", "pinode/case/first_case/*.md",
+               "pinode/when_a_fit_does_not_work.md", "pinode/python/README.md",
+               "pinode/coming_from.md", "pinode/python/tutorials/*.ipynb"]
+MOST_LONG = 0.05
 
 FENCE = re.compile(r"^ *```(\S*)")
 LINK = re.compile(r"(?<!\\)\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)")
@@ -134,7 +146,9 @@ class Checker:
         self.presets = presets(root)
         self.floors = {p.parent.name for p in (root / "pinode").glob("*/CMakeLists.txt")}
         self.failures = []
-        self.checked = {"links": 0, "blocks": 0, "commands": 0, "notebooks": 0}
+        self.checked = {"links": 0, "blocks": 0, "commands": 0, "notebooks": 0,
+                        "sentences": 0}
+        self.long_sentences = 0
 
     def fail(self, page, line, message):
         self.failures.append(f"{page.path.relative_to(self.root)}:{line}: {message}")
@@ -142,6 +156,7 @@ class Checker:
     def run(self):
         self.programs()
         self.versions()
+        self.sentences()
         for page in self.pages.values():
             self.checked["notebooks"] += page.path.suffix == ".ipynb"
             for line, language, text in page.blocks:
@@ -155,6 +170,20 @@ class Checker:
                     self.command(page, line, text)
                 for quoted in re.findall(r"`([^`]+)`", text):
                     self.command(page, line, quoted)
+
+    def sentences(self):
+        """Few of them are long."""
+        for pattern in FIRST_PAGES:
+            for path in sorted(self.root.glob(pattern)):
+                words = [count for count, _ in sentences(path)]
+                long = sum(count > MOST_WORDS for count in words)
+                self.checked["sentences"] += len(words)
+                self.long_sentences += long
+                if long > max(MOST_LONG * len(words), 1):
+                    self.fail(self.pages[path], 1,
+                              f"{long} of {len(words)} sentences have more than {MOST_WORDS} "
+                              f"words, expected {100 * MOST_LONG:.0f} % at most; "
+                              "tests/sentences.py lists them")
 
     def programs(self):
         """Each has a sample run, and the project's README says what it is for."""
@@ -234,7 +263,8 @@ def main():
     checker.run()
     if min(checker.checked.values()) == 0:
         sys.exit(f"nothing to check: {checker.checked}")
-    print("\n".join(checker.failures) or f"checked: {checker.checked}")
+    print("\n".join(checker.failures) or 
+          f"checked: {checker.checked}, long sentences: {checker.long_sentences}")
     sys.exit(bool(checker.failures))
 
 

@@ -59,9 +59,10 @@ bool FileExists(const TomlTable& table, const std::string& path) {
   return table.Fail(
       "file",
       "the file '" + path +
-          "' does not exist. Give text in columns (CSV), a universal file "
-          "(.uff, .unv), arrays (.mat, .npy, .npz, .h5), a file of a logger "
-          "(.tdms, .lvm, .mseed, .sac, .v2, K-NET), or a PEER .at2 file");
+          "' does not exist. Give text in columns (CSV) or a PEER .at2 file. "
+          "A universal file (.uff, .unv), arrays (.mat, .npy, .npz, .h5) or a "
+          "file of a logger (.tdms, .lvm, .mseed, .sac, .v2, K-NET) will do "
+          "too");
 }
 
 bool IsVoltage(const TomlTable& table) {
