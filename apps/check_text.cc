@@ -207,6 +207,20 @@ void PrintAmbientRecords(const Case& c) {
   }
 }
 
+void PrintFrequencyResponses(const Case& c) {
+  if (c.problem.frfs.empty()) return;
+  const double to_hz = c.problem.description.HzPerModelFrequency();
+  Print("\nFrequency response functions\n");
+  for (const FrfRecord& record : c.problem.frfs) {
+    Print("  %s: %ld lines from %.5g to %.5g Hz, %ld responses, %ld forces\n",
+          record.name.c_str(), static_cast<long>(record.num_lines()),
+          to_hz * record.frequencies[0],
+          to_hz * record.frequencies[record.num_lines() - 1],
+          static_cast<long>(record.num_responses()),
+          static_cast<long>(record.num_references()));
+  }
+}
+
 void PrintCandidates(const Case& c) {
   if (c.candidates.empty()) return;
   Print("\nCandidates (a fit keeps those that the records support):");
@@ -287,6 +301,7 @@ void PrintCaseCheck(const Case& c, const CaseCheck& check) {
   PrintModel(c, check);
   if (!c.problem.records.empty()) PrintRecords(c);
   PrintAmbientRecords(c);
+  PrintFrequencyResponses(c);
   PrintPeaks(check);
   PrintQuestions(check);
   PrintCandidates(c);

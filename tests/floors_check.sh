@@ -55,7 +55,7 @@ awk '
     rooms["structure"] = "model sparse matrices decks"
     rooms["record"] = ". files frf"
     rooms["modal"] = ". frf"
-    rooms["estimate"] = "solver shooting start ambient objective certainty fit ."
+    rooms["estimate"] = "solver shooting start ambient frf objective certainty fit ."
     rooms["study"] = "problem reduction terms explanations identify laws sensors damage picture"
     rooms["case"] = "text sections draft results run"
     rooms["python"] = "binding"

@@ -1,4 +1,5 @@
-// Ambient records: responses to loads that were not measured.
+// Records in the frequency domain: ambient records, which are responses to
+// loads that were not measured, and frequency response functions.
 
 #ifndef PINODE_PROBLEM_AMBIENT_RECORD_H_
 #define PINODE_PROBLEM_AMBIENT_RECORD_H_
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/types.h"
 #include "pinode/dynamics/observation.h"
 #include "pinode/dynamics/structural_dynamics.h"
@@ -167,6 +169,104 @@ struct AmbientScore {
     return std::min(probability, coherence_probability);
   }
 };
+
+// Measured frequency response functions (FRFs) h of responses to references,
+//
+//   h(w) = gain e^(-i w delay) (i w)^d S Z(w)^-1 L + noise,
+//   Z(w) = (1 + i loss_factor) K + i w C - w^2 M,
+//
+// at the angular frequency w. S are the weights of a response, L the forces of
+// a reference, and d is the order of the derivative that the response measures.
+// The real and the imaginary part of the noise are independent from line to
+// line and have equal variances.
+struct FrfRecord {
+  std::string name;
+  // Lines in use, in cycles per unit of the model's time, positive and
+  // ascending.
+  Vector frequencies;
+  // Displacements, velocities or relative accelerations.
+  std::vector<Observation> responses;
+  // Forces on the DOFs for a unit force at each reference, num_dofs x
+  // references, and the names of the references.
+  Matrix references;
+  std::vector<std::string> reference_names;
+  // Measured values, lines x pairs, in the model's units. Column `response +
+  // responses.size() * reference` is one pair. NaN: not measured.
+  ComplexMatrix values;
+  // Variances of the lines relative to the others of the same pair, lines x
+  // pairs. Empty: equal.
+  Matrix variances;
+  // Standard deviation of the real and of the imaginary part of each pair, in
+  // the model's units, where the relative variance is 1. Empty: estimated from
+  // the residuals.
+  Vector sigma;
+  // Indices of the gain and the delay of each response, and of the loss factor,
+  // in IdentificationProblem::sensors. Empty, or -1: the ideal value (1, 0, 0).
+  std::vector<int> gains, delays;
+  int loss_factor = -1;
+
+  Eigen::Index num_lines() const { return frequencies.size(); }
+  Eigen::Index num_responses() const {
+    return static_cast<Eigen::Index>(responses.size());
+  }
+  Eigen::Index num_references() const { return references.cols(); }
+  Eigen::Index num_pairs() const { return num_responses() * num_references(); }
+  // Returns "response/reference".
+  std::string PairName(Eigen::Index pair) const;
+
+  // Checks sizes, numbers and quantities, and that the dynamics are linear
+  // without terms for records of time. `num_sensors` is the number of the
+  // problem's sensor parameters. On failure returns false, with a sentence in
+  // *error.
+  [[nodiscard]] bool IsValid(const StructuralDynamics& dynamics,
+                             int num_sensors, std::string* error) const;
+};
+
+// Scores of the fit for FRFs. Vectors have one entry per pair.
+struct FrfScore {
+  std::string name;
+  // Band of the lines, in cycles per unit of the model's time.
+  double lowest_frequency = 0.0;
+  double highest_frequency = 0.0;
+  Eigen::Index num_lines = 0;
+  std::vector<std::string> pairs;
+  // Norm of the weighted error, as a share of that of the FRF, of the fitted
+  // and of the initial model.
+  Vector errors;
+  Vector prior_errors;
+  // The same of the part of the error that is no noise: it has a memory from
+  // line to line, or it is larger where the FRF is larger.
+  Vector unexplained;
+  // Standard deviation of the noise, as given or as estimated.
+  Vector sigma;
+  // Root mean square of the error in multiples of the given noise; empty if it
+  // was estimated.
+  Vector noise_ratios;
+  // Probability that errors as little alike noise are chance, over all pairs.
+  double probability = 1.0;
+  // Logarithm of the likelihood, up to a constant of the data, and the memory
+  // of the errors in lines: that of white noise is 1.
+  double log_likelihood = 0.0;
+  double memory = 1.0;
+  // Lines of the report, in cycles per unit of the model's time, and values
+  // there, pairs x lines.
+  Vector frequencies;
+  Matrix measured_real, measured_imaginary;
+  Matrix modelled_real, modelled_imaginary;
+
+  // Largest entries over the pairs.
+  double WorstError() const { return Largest(errors); }
+  double WorstUnexplained() const { return Largest(unexplained); }
+
+ private:
+  static double Largest(const Vector& values) {
+    return values.size() > 0 ? values.maxCoeff() : 0.0;
+  }
+};
+
+// Value of FrfScore::probability below which intervals come from a sandwich
+// estimate of the covariance.
+inline constexpr double kDoubtfulFrfProbability = 0.01;
 
 // Value of LeastProbability() below which intervals come from a sandwich
 // estimate of the covariance.

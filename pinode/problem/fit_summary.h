@@ -168,6 +168,7 @@ struct FitSummary {
   std::vector<ModeScore> modes;
   int num_model_modes = 0;            // number of modes of the model
   std::vector<AmbientScore> ambient;  // one per ambient record
+  std::vector<FrfScore> frfs;         // one per IdentificationProblem::frfs
   // Half the sum of squares of the modal residuals, before and after the fit.
   double initial_modal_cost = 0.0;
   double final_modal_cost = 0.0;

@@ -30,13 +30,14 @@ bool AreGroupsAloneFree(const IdentificationProblem& problem,
       continue;
     }
     *error =
-        "modes and ambient records determine only groups: '" + block.name +
-        "' cannot be free without a training record" +
+        "modes, ambient records and frequency response functions determine "
+        "only groups: '" +
+        block.name + "' cannot be free without a training record" +
         (kind == TermKind::kGroupCurve ? ", or covariates of the measured modes"
                                        : "");
     return false;
   }
-  if (HasFree(problem.sensors)) {
+  if (HasFree(problem.sensors) && problem.frfs.empty()) {
     *error =
         "modes and ambient records determine only groups: sensors cannot be "
         "free without a training record";
@@ -348,7 +349,10 @@ bool IdentificationProblem::IsValid(std::string* error) const {
   for (const AmbientRecord& record : ambient) {
     if (!record.IsValid(*dynamics, error)) return false;
   }
-  const bool alone = !modal.empty() || !ambient.empty();
+  for (const FrfRecord& record : frfs) {
+    if (!record.IsValid(*dynamics, sensors.size(), error)) return false;
+  }
+  const bool alone = !modal.empty() || HasSpectra();
   if (alone && num_train_records() == 0 && !AreGroupsAloneFree(*this, error)) {
     return false;
   }
@@ -367,7 +371,7 @@ bool IdentificationProblem::IsValid(std::string* error) const {
   if (!any_fitted) {
     *error =
         "no training record has a fitted channel, no mode was measured, and "
-        "there is no ambient record";
+        "there is no ambient record or frequency response function";
     return false;
   }
   return true;

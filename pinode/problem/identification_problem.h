@@ -100,6 +100,8 @@ struct IdentificationProblem {
   ModalData modal;
   // Records under loads that were not measured, with or without other records.
   std::vector<AmbientRecord> ambient;
+  // Frequency response functions, with or without other data.
+  std::vector<FrfRecord> frfs;
   // Unknowns of sensors: gains (dimensionless, initially 1), offsets (in the
   // channel's model unit) and delays (in the model's unit of time).
   ParameterBlock sensors;
@@ -116,6 +118,8 @@ struct IdentificationProblem {
 
   // Number of training records, without ambient ones.
   int num_train_records() const;
+  // True if there are ambient records or FRFs.
+  bool HasSpectra() const { return !ambient.empty() || !frfs.empty(); }
 
   // True if ground motion, a force or an actuator drives the structure in this
   // record. Covariates and switches do not drive it.
@@ -141,8 +145,8 @@ struct IdentificationProblem {
   // - parameters are tied to others that may be;
   // - at least one parameter is free; without a training record it is that of
   //   a group;
-  // - there is a training record with a fitted channel, a mode or an ambient
-  //   record;
+  // - there is a training record with a fitted channel, a mode, an ambient
+  //   record or an FRF;
   // - each record has at least two samples, finite excitations and chosen
   //   steps;
   // - sizes and indices of channels, sensors, starts and input noise fit the

@@ -146,6 +146,30 @@ struct FieldTable<AmbientScore> {
 };
 
 template <>
+struct FieldTable<FrfScore> {
+  static constexpr bool kExists = true;
+  static constexpr auto kFields = std::make_tuple(
+      MakeField("name", &FrfScore::name),
+      MakeField("lowest_frequency", &FrfScore::lowest_frequency),
+      MakeField("highest_frequency", &FrfScore::highest_frequency),
+      MakeField("num_lines", &FrfScore::num_lines),
+      MakeField("pairs", &FrfScore::pairs),
+      MakeField("errors", &FrfScore::errors),
+      MakeField("prior_errors", &FrfScore::prior_errors),
+      MakeField("unexplained", &FrfScore::unexplained),
+      MakeField("sigma", &FrfScore::sigma),
+      MakeField("noise_ratios", &FrfScore::noise_ratios),
+      MakeField("probability", &FrfScore::probability),
+      MakeField("log_likelihood", &FrfScore::log_likelihood),
+      MakeField("memory", &FrfScore::memory),
+      MakeField("frequencies", &FrfScore::frequencies),
+      MakeField("measured_real", &FrfScore::measured_real),
+      MakeField("measured_imaginary", &FrfScore::measured_imaginary),
+      MakeField("modelled_real", &FrfScore::modelled_real),
+      MakeField("modelled_imaginary", &FrfScore::modelled_imaginary));
+};
+
+template <>
 struct FieldTable<ForceEstimate> {
   static constexpr bool kExists = true;
   static constexpr auto kFields =
@@ -303,6 +327,7 @@ struct FieldTable<FitSummary> {
       MakeField("modes", &FitSummary::modes),
       MakeField("num_model_modes", &FitSummary::num_model_modes),
       MakeField("ambient", &FitSummary::ambient),
+      MakeField("frfs", &FitSummary::frfs),
       MakeField("initial_modal_cost", &FitSummary::initial_modal_cost),
       MakeField("final_modal_cost", &FitSummary::final_modal_cost),
       MakeField("num_starts", &FitSummary::num_starts),

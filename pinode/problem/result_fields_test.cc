@@ -42,11 +42,13 @@ constexpr size_t NumMembers() {
 
 template <typename T>
 class ResultFields : public ::testing::Test {};
-using Results = ::testing::Types<
-    ChannelScore, RecordScore, ParameterEstimate, ModeMatch, ModeScore,
-    LoadEvidence, AmbientScore, ForceEstimate, IterationRecord, StageRecord,
-    Explanation, Finding, ParameterProfile::Point, ParameterProfile,
-    ModelChoice::Step, ModelChoice, IdentifiedModel, FitSummary>;
+using Results =
+    ::testing::Types<ChannelScore, RecordScore, ParameterEstimate, ModeMatch,
+                     ModeScore, LoadEvidence, AmbientScore, FrfScore,
+                     ForceEstimate, IterationRecord, StageRecord, Explanation,
+                     Finding, ParameterProfile::Point, ParameterProfile,
+                     ModelChoice::Step, ModelChoice, IdentifiedModel,
+                     FitSummary>;
 TYPED_TEST_SUITE(ResultFields, Results);
 
 // A member that is missing in the table would be lost in archives and files.

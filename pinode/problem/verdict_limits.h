@@ -98,6 +98,19 @@ constexpr double kInformationLeft = 0.1;
 // or of its value.
 constexpr double kWidestInterval = 1.0;
 
+// Frequency response functions.
+
+// Largest part of an FRF's norm that the model may leave unexplained beyond
+// noise.
+constexpr double kFrfUnexplained = 0.1;
+// Smallest probability that residuals which are not alike noise are chance.
+constexpr double kFrfProbability = 1e-4;
+// A fit may raise the error of FRFs by this factor, because pairs with little
+// noise count more.
+constexpr double kFrfErrorGrowth = 1.05;
+// Error of exact data, as a share of the FRF.
+constexpr double kFrfRounding = 1e-5;
+
 // Sensors and unknowns against what the problem says of them.
 
 // Two channels are a copy of each other if 1 minus the size of their

@@ -307,6 +307,38 @@ TextTable MakeAmbientTable(const ReportInput& input) {
   return table;
 }
 
+TextTable MakeFrfTable(const ReportInput& input) {
+  TextTable table({{"functions", Align::kLeft},
+                   {"pair", Align::kLeft},
+                   {"initial error, %", Align::kDecimal},
+                   {"error, %", Align::kDecimal},
+                   {"unexplained, %", Align::kDecimal},
+                   {"noise", Align::kDecimal},
+                   {"from, Hz", Align::kDecimal},
+                   {"to, Hz", Align::kDecimal},
+                   {"lines", Align::kDecimal},
+                   {"probability", Align::kDecimal}});
+  const double hz = input.problem->description.HzPerModelFrequency();
+  for (const FrfScore& score : input.summary->frfs) {
+    for (size_t p = 0; p < score.pairs.size(); ++p) {
+      const auto pair = static_cast<Eigen::Index>(p);
+      const auto once = [p](const std::string& text) {
+        return p == 0 ? text : std::string();
+      };
+      table.AddRow({once(score.name), score.pairs[p],
+                    ReadableNumber(100.0 * score.prior_errors[pair], 4),
+                    ReadableNumber(100.0 * score.errors[pair], 4),
+                    ReadableNumber(100.0 * score.unexplained[pair], 3),
+                    ReadableNumber(score.sigma[pair], 3),
+                    once(ReadableNumber(hz * score.lowest_frequency, 4)),
+                    once(ReadableNumber(hz * score.highest_frequency, 4)),
+                    once(std::to_string(score.num_lines)),
+                    once(ReadableNumber(score.probability, 2))});
+    }
+  }
+  return table;
+}
+
 TextTable MakeRecordTable(const ReportInput& input) {
   TextTable table({{"record", Align::kLeft},
                    {"role", Align::kLeft},
@@ -459,6 +491,7 @@ std::string ConsoleReport(const ReportInput& input) {
   add("Profiles", MakeProfileTable(input));
   add("Measured modes", MakeMeasuredModeTable(input));
   add("Ambient records", MakeAmbientTable(input));
+  add("Frequency response functions", MakeFrfTable(input));
   add("Modes", MakeModeTable(input));
   add("Sensors", MakeSensorTable(input));
   return text;

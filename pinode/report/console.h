@@ -27,6 +27,10 @@ TextTable MakeMeasuredModeTable(const ReportInput& input);
 // Returns the share of each ambient channel that the model explains.
 TextTable MakeAmbientTable(const ReportInput& input);
 
+// Returns the errors of frequency response functions in per cent, of the
+// initial and the updated model.
+TextTable MakeFrfTable(const ReportInput& input);
+
 // Returns what the model may lack, best first.
 TextTable MakeExplanationTable(const ReportInput& input);
 

@@ -55,6 +55,10 @@ Figure MakeForceFigure(const ReportInput& input, int force);
 // measured and modelled, with the expected band of 95 % of the measured ones.
 Figure MakeAmbientFigure(const ReportInput& input, int record);
 
+// Makes magnitude and phase of frequency response functions (at most six),
+// measured and of the fitted model. `set`: index in FitSummary::frfs.
+Figure MakeModelFrfFigure(const ReportInput& input, int set);
+
 // Makes the likelihood ratio along a parameter, with the parabola of its linear
 // interval; empty if there are no points.
 Figure MakeProfileFigure(const ParameterProfile& profile, int number);

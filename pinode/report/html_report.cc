@@ -311,6 +311,9 @@ class PageMaker {
     const TextTable ambient = MakeAmbientTable(input_);
     SetIf("ambient", !ambient.empty(), TableData(ambient), &page_);
     page_.set("ambient_figures", FigureList(figures_.ambient));
+    const TextTable frfs = MakeFrfTable(input_);
+    SetIf("frfs", !frfs.empty(), TableData(frfs), &page_);
+    page_.set("frf_figures", FigureList(figures_.frfs));
     const TextTable measured = MakeMeasuredModeTable(input_);
     SetIf("measured_modes", !measured.empty(), TableData(measured), &page_);
     const TextTable table = MakeModeTable(input_);

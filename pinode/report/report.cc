@@ -165,6 +165,17 @@ std::string VerdictSentence(const ReportInput& input) {
                 : " differ from those of the model by no more than chance.") +
            ModeSentence(summary);
   }
+  if (worst_training == nullptr && !summary.frfs.empty() && cares.empty()) {
+    double worst = 0.0;
+    for (const FrfScore& score : summary.frfs) {
+      worst = std::max(worst, score.WorstError());
+    }
+    return usable +
+           "The updated model follows the frequency response functions "
+           "within " +
+           ReadableNumber(100.0 * worst, 2) + " %, and the rest is noise." +
+           ModeSentence(summary);
+  }
   if (worst_training != nullptr) {
     verdict += ": the updated model follows the training record " +
                Prediction(*worst_training) + "." + missed;

@@ -66,6 +66,9 @@ class Planner {
     for (size_t r = 0; r < summary_.ambient.size(); ++r) {
       AddTo(MakeAmbientFigure(input_, static_cast<int>(r)), &figures_.ambient);
     }
+    for (size_t s = 0; s < summary_.frfs.size(); ++s) {
+      AddTo(MakeModelFrfFigure(input_, static_cast<int>(s)), &figures_.frfs);
+    }
     figures_.modes = Add(MakeModeShapeFigure(input_));
     figures_.convergence = Add(MakeConvergenceFigure(input_));
     for (const Role role : {Role::kHoldout, Role::kTrain}) PlanHistories(role);

@@ -33,6 +33,7 @@ struct ReportFigures {
   std::vector<int> forces;
   std::vector<int> profiles;
   std::vector<int> ambient;
+  std::vector<int> frfs;
   int modes = -1;
   int convergence = -1;
   std::vector<History> histories;  // hold-out records first

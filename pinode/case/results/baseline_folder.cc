@@ -454,7 +454,7 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.parameter_names = result.names;
   read.parameter_values = result.values;
   const bool modes_alone =
-      c.problem.num_train_records() == 0 && c.problem.ambient.empty();
+      c.problem.num_train_records() == 0 && !c.problem.HasSpectra();
   if (!c.damage.masses.empty() || !c.damage.springs.empty() ||
       c.damage.damping || c.damage.stiffness || modes_alone) {
     ReadFit(path("model.toml"), &read);

@@ -53,8 +53,7 @@ CaseCheck CheckCase(const Case& c) {
   check.record_peaks = FindRecordPeaks(c);
   check.questions = FindQuestions(c, check.modes, check.record_peaks);
   check.has_measurements = !c.problem.records.empty() ||
-                           !c.problem.modal.empty() ||
-                           !c.problem.ambient.empty();
+                           !c.problem.modal.empty() || c.problem.HasSpectra();
   std::string error;
   if (check.has_measurements &&
       !AssessProblem(c.problem, c.options, &check.assessment, &error)) {

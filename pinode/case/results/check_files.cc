@@ -127,6 +127,23 @@ Json AmbientRecords(const Case& c) {
   return records;
 }
 
+Json FrequencyResponseSets(const Case& c) {
+  Json all = Json::array();
+  for (const FrfRecord& record : c.problem.frfs) {
+    Json pairs = Json::array();
+    for (Eigen::Index p = 0; p < record.num_pairs(); ++p) {
+      pairs.push_back(record.PairName(p));
+    }
+    all.push_back(
+        {{"name", record.name},
+         {"lines", record.num_lines()},
+         {"lowest_hz", ToHz(c) * record.frequencies[0]},
+         {"highest_hz", ToHz(c) * record.frequencies[record.num_lines() - 1]},
+         {"pairs", pairs}});
+  }
+  return all;
+}
+
 Json MeasuredModes(const Case& c, const CaseCheck& check) {
   Json modes = Json::array();
   for (size_t i = 0; i < check.mode_in_use.size(); ++i) {
@@ -182,6 +199,7 @@ Json Check(const Case& c, const CaseCheck& check) {
   json["finite_element"] = FiniteElement(c);
   json["records"] = Records(c);
   json["ambient"] = AmbientRecords(c);
+  json["frfs"] = FrequencyResponseSets(c);
   json["peaks"] = Peaks(check);
   json["questions"] = check.questions;
   json["measured_modes"] = MeasuredModes(c, check);

@@ -261,6 +261,35 @@ Json AmbientAsJson(const IdentificationProblem& problem,
   return records;
 }
 
+Json FrfsAsJson(const IdentificationProblem& problem,
+                const IdentificationSummary& summary) {
+  const double hz = problem.description.HzPerModelFrequency();
+  Json all = Json::array();
+  for (const FrfScore& score : summary.frfs) {
+    Json pairs = Json::array();
+    for (size_t p = 0; p < score.pairs.size(); ++p) {
+      const auto pair = static_cast<Eigen::Index>(p);
+      pairs.push_back({{"name", score.pairs[p]},
+                       {"error", score.errors[pair]},
+                       {"initial_error", score.prior_errors[pair]},
+                       {"unexplained", score.unexplained[pair]},
+                       {"sigma", score.sigma[pair]}});
+      if (score.noise_ratios.size() > 0) {
+        pairs.back()["noise_ratio"] = score.noise_ratios[pair];
+      }
+    }
+    all.push_back({{"name", score.name},
+                   {"lowest_hz", score.lowest_frequency * hz},
+                   {"highest_hz", score.highest_frequency * hz},
+                   {"lines", score.num_lines},
+                   {"probability", score.probability},
+                   {"log_likelihood", score.log_likelihood},
+                   {"memory", score.memory},
+                   {"pairs", pairs}});
+  }
+  return all;
+}
+
 }  // namespace
 
 bool FormatResultJson(const IdentificationProblem& problem,
@@ -292,6 +321,7 @@ bool FormatResultJson(const IdentificationProblem& problem,
   if (!summary.ambient.empty()) {
     json["ambient"] = AmbientAsJson(problem, summary);
   }
+  if (!summary.frfs.empty()) json["frfs"] = FrfsAsJson(problem, summary);
   Json& solver = json["solver"];
   solver["iterations"] = summary.num_iterations;
   solver["initial_cost"] = summary.initial_cost;

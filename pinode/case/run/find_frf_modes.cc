@@ -4,71 +4,11 @@
 #include <functional>
 #include <utility>
 
-#include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/text/csv_file.h"
-#include "pinode/record/files/universal_file.h"
-#include "pinode/record/frf/frf_files.h"
 
 namespace pinode {
 namespace {
-
-bool SetDerivative(const std::string& quantity, FrfFileOptions* options,
-                   std::string* error) {
-  if (quantity.empty()) return true;
-  const char* const names[] = {"displacement", "velocity", "acceleration"};
-  for (int d = 0; d < 3; ++d) {
-    if (quantity == names[d]) options->derivative = d;
-  }
-  if (options->derivative >= 0) return true;
-  *error = "quantity '" + quantity +
-           "', expected acceleration, velocity or displacement per force";
-  return false;
-}
-
-// The names of file i, if there is one for each file.
-std::vector<std::string> NamesOf(const std::vector<std::string>& names,
-                                 size_t i, size_t files) {
-  if (names.size() <= 1 || files == 1) return names;
-  return {names[i]};
-}
-
-bool Read(const FrfSetup& setup, FrequencyResponses* all, std::string* error) {
-  const size_t count = setup.files.size();
-  for (const auto& [key, names] :
-       {std::make_pair("responses", &setup.responses),
-        std::make_pair("references", &setup.references)}) {
-    if (count > 1 && names->size() > 1 && names->size() != count) {
-      *error = std::to_string(names->size()) + " " + key + " for " +
-               std::to_string(count) +
-               " files, expected one for all or one for each";
-      return false;
-    }
-  }
-  std::vector<FrequencyResponse> single;
-  std::vector<std::string> remarks;
-  for (size_t i = 0; i < count; ++i) {
-    FrfFileOptions options;
-    if (!SetDerivative(setup.quantity, &options, error)) return false;
-    options.responses = NamesOf(setup.responses, i, count);
-    options.references = NamesOf(setup.references, i, count);
-    // A file of text has one function, whose places it seldom names.
-    if (!IsUniversalFile(WithoutGz(setup.files[i]))) {
-      if (options.responses.empty()) options.responses = {"response"};
-      if (options.references.empty()) {
-        options.references = {"reference" +
-                              (count > 1 ? std::to_string(i + 1) : "")};
-      }
-    }
-    if (!ReadFrfFile(setup.files[i], options, &single, &remarks, error)) {
-      return false;
-    }
-  }
-  if (!AssembleFrequencyResponses(single, all, error)) return false;
-  all->name = setup.files[0].substr(setup.files[0].find_last_of('/') + 1);
-  all->remarks = std::move(remarks);
-  return true;
-}
 
 // Remark on FRFs that the modes do not describe; empty if they do.
 std::string LeftByModes(const ModesOfFrfs& frfs, const FrfSetup& setup) {
@@ -93,7 +33,7 @@ std::string LeftByModes(const ModesOfFrfs& frfs, const FrfSetup& setup) {
 bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
                          FoundModes* found, std::string* error) {
   FrequencyResponses all;
-  if (!Read(setup, &all, error) ||
+  if (!ReadFrfFiles(setup, &all, error) ||
       !FindFrfModes(all, setup.options, frfs, error)) {
     return false;
   }

@@ -7,18 +7,13 @@
 #include <vector>
 
 #include "pinode/case/run/find_modes.h"
+#include "pinode/case/sections/frf_section.h"
 #include "pinode/modal/frf/frf_modes.h"
 
 namespace pinode {
 
-// Files with the frequency response functions of one set-up.
-struct FrfSetup {
-  std::vector<std::string> files;
-  // Places, one for all functions, or one for each in the order of the files;
-  // empty: as the files have them.
-  std::vector<std::string> responses, references;
-  // "acceleration", "velocity", "displacement"; empty: as the files state.
-  std::string quantity;
+// Files of one set-up, and how their modes are found.
+struct FrfSetup : FrfFiles {
   FrfModesOptions options;
 };
 

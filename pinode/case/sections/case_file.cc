@@ -12,6 +12,7 @@
 #include "pinode/case/sections/discover_section.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/case/sections/force_scale_section.h"
+#include "pinode/case/sections/frf_section.h"
 #include "pinode/case/sections/geometry_section.h"
 #include "pinode/case/sections/library_section.h"
 #include "pinode/case/sections/modal_section.h"
@@ -240,13 +241,18 @@ class CaseReader {
     }
     if (!ReadAmbientRecords(ambient_sections_, units_, *dynamics_, &problem) ||
         !ReadModes(root_, units_, model_.model, dynamics_->inputs(),
-                   problem.num_train_records() > 0 || !problem.ambient.empty(),
+                   problem.num_train_records() > 0 || problem.HasSpectra() ||
+                       root_.Has("frf"),
                    &problem.modal)) {
       return false;
     }
     RemarkOnModes(problem, &description_.remarks);
     SpreadNetworksOfTime(root_, problem, dynamics_.get());
-    if (!ReadSensors(sections_, units_, &problem)) return false;
+    if (!ReadSensors(sections_, units_, &problem) ||
+        (!simulation_ &&
+         !ReadFrfSections(root_, units_, model_.model, &problem))) {
+      return false;
+    }
     ScaleNetworks(problem, dynamics_.get());
     return true;
   }
@@ -266,7 +272,7 @@ class CaseReader {
     }
     if (simulation_) return planning_ || CheckNoise();
     if (model_may_stand_alone_ && c_.problem.records.empty() &&
-        c_.problem.modal.empty() && c_.problem.ambient.empty()) {
+        c_.problem.modal.empty() && !c_.problem.HasSpectra()) {
       return true;
     }
     if (!CheckUnknownForces(root_, sections_, c_.problem, &c_.options) ||

@@ -24,6 +24,8 @@ class Collector {
         for (const auto& [name, weight] : child.entries) {
           AddName(name, weight.line > 0 ? weight.line : at);
         }
+      } else if (key == "frf") {
+        for (const TomlValue& section : child.elements) AddFrfPlaces(section);
       } else if (key == "inputs" || key == "features") {
         ForEachText(child, at, &Collector::AddFeature);
       } else if (key == "outputs" ||
@@ -50,6 +52,26 @@ class Collector {
   void AddName(const std::string& name, int line) {
     if (name == "ground" || !seen_.insert(name).second) return;
     dofs_.push_back({name, line});
+  }
+
+  // Adds the places of [[frf]]: values of `dofs`, and names that are DOFs, both
+  // with or without a sign.
+  void AddFrfPlaces(const TomlValue& section) {
+    const auto add = [this](std::string name, int line) {
+      if (!name.empty() && name[0] == '-') name.erase(0, 1);
+      if (is_dof_(name)) AddName(name, line);
+    };
+    for (const auto& [key, child] : section.entries) {
+      if (key == "dofs") {
+        for (const auto& [place, dof] : child.entries) {
+          add(dof.text, dof.line > 0 ? dof.line : child.line);
+        }
+      } else if (key == "responses" || key == "references") {
+        for (const TomlValue& name : child.elements) {
+          add(name.text, name.line > 0 ? name.line : child.line);
+        }
+      }
+    }
   }
 
   void AddFeature(const std::string& text, int line) {

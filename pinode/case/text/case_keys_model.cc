@@ -26,6 +26,9 @@ CaseTable RootKeys() {
               {"record", "tables", "", "needed without measured modes",
                "Records: files, ground, forces, motion, covariates, channels, "
                "filter, ambient loads."},
+              {"frf", "tables", "", "none",
+               "Measured frequency response functions. Such a case may do "
+               "without records."},
               {"modal", "table", "", "see its keys",
                "How measured modes are used."},
               {"mode", "tables", "", "none",

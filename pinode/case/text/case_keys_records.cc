@@ -362,13 +362,55 @@ CaseTable ModeKeys() {
       }};
 }
 
+CaseTable FrfKeys() {
+  return {
+      "frf",
+      "[[frf]]",
+      "",
+      {
+          {"name", "text", "", "`frf` and its number", "Name of the set-up."},
+          {"files", "texts", "", "needed",
+           "Files with the functions, in the formats of `pinode_modes`."},
+          {"responses", "texts", "places", "as the files have them",
+           "Places of the responses, one for all functions or one for each. A "
+           "minus sign in front turns the direction."},
+          {"references", "texts", "places", "as the files have them",
+           "Places of the forces, in the same way."},
+          {"dofs", "table", "DOF by place", "places are names of DOFs",
+           "DOFs of the places: `{p1 = \"u1\", p2 = \"-u3\"}`."},
+          {"quantity", "\"acceleration\" or \"velocity\" or \"displacement\"",
+           "", "as the files state", "Measured motion per force."},
+          {"unit", "text", "", "the model's unit",
+           "Unit of the motion, such as `m/s^2` or `g`."},
+          {"force_unit", "text", "", "the model's unit",
+           "Unit of the force, such as `N`."},
+          {"band_hz", "numbers", "Hz, from and to", "all lines above 0 Hz",
+           "Band of the lines that are fitted."},
+          {"stride", "whole number", "from 1", "1",
+           "The fit uses every n-th line of the band."},
+          {"noise", "\"constant\" or \"relative\" or \"coherence\"", "",
+           "`coherence` if all files have it, else `constant`",
+           "Noise of the lines of one function: equal, in proportion to the "
+           "function, or as the coherence says. Its level is estimated."},
+          {"sigma", "number", "unit of the functions", "estimated",
+           "Standard deviation of the real and of the imaginary part, at the "
+           "root mean square of a function if the noise is `relative`."},
+          {"gain", "unknown", "", "1", "Gain of each response."},
+          {"delay", "unknown", "s", "0",
+           "Time by which each response is late."},
+          {"loss_factor", "unknown", "", "0",
+           "Hysteretic damping: the stiffness in these functions is "
+           "`(1 + i loss_factor) K`. All `[[frf]]` share the unknown."},
+      }};
+}
+
 }  // namespace
 
 std::vector<CaseTable> RecordCaseTables() {
   return {RecordKeys(),  StartKeys(),      AmbientKeys(), GroundKeys(),
           ForceKeys(),   ForceScaleKeys(), MotionKeys(),  CovariateKeys(),
           ChannelKeys(), OffsetKeys(),     FilterKeys(),  ModalKeys(),
-          ModeKeys()};
+          ModeKeys(),    FrfKeys()};
 }
 
 }  // namespace pinode

@@ -171,7 +171,7 @@ AmbientScore BlankScore(const AmbientCost& cost) {
   score.highest_frequency = lines.frequency(lines.size() - 1);
   score.num_lines = lines.num_single();
   score.num_knots = cost.loads().spectrum().num_knots();
-  for (const AmbientTransfer::FreeGroup& group : cost.transfer().groups()) {
+  for (const FreeGroup& group : cost.transfer().groups()) {
     score.groups.push_back(group.name);
   }
   score.information_left = cost.information_left().by_group;

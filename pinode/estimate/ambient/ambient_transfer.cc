@@ -1,6 +1,5 @@
 #include "pinode/estimate/ambient/ambient_transfer.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -14,8 +13,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Pivots of a group's matrix below this part of the largest one are zero.
-constexpr double kSmallestPivot = 1e-13;
 // Modes up to this multiple of the band's end are loaded each for itself, if no
 // more than these. At the end an acceleration has of a mode r times as high 1 /
 // (r^2 - 1) of what it would have of a rigid one: 0.8 at 1.5, a third at 2.
@@ -31,23 +28,6 @@ int DerivativeOf(Quantity quantity) {
       return 2;
     default:
       return 0;
-  }
-}
-
-// G = left right^T with as few columns as G has rank, or G itself.
-void FindFactors(const Matrix& g, Matrix* left, Matrix* right) {
-  Eigen::ColPivHouseholderQR<Matrix> factor(g.rows(), g.cols());
-  factor.setThreshold(kSmallestPivot);
-  factor.compute(g);
-  const Eigen::Index rank = factor.rank();
-  if (2 * rank < g.rows()) {
-    const Matrix upper =
-        factor.matrixR().topRows(rank).triangularView<Eigen::Upper>();
-    *left = factor.householderQ() * Matrix::Identity(g.rows(), rank);
-    *right = factor.colsPermutation() * upper.transpose();
-  } else {
-    *left = g;
-    right->resize(0, 0);
   }
 }
 
@@ -77,30 +57,7 @@ AmbientTransfer::AmbientTransfer(const AmbientRecord& record,
     sensors_.row(c) = channel.weights.transpose();
     derivatives_[c] = DerivativeOf(channel.quantity);
   }
-  std::vector<Matrix> matrices;  // of groups_
-  for (const MatrixChange& change : averaged.linear_dynamics().changes()) {
-    FreeGroup group;
-    const auto [free, factor] = layout.DependenceOf(change.parameter);
-    group.free = free;
-    group.target = change.group->target;
-    if (group.free < 0 || change.group->matrix.isZero(0.0)) continue;
-    group.name = layout.free_parameter(group.free).name;
-    // Groups that are tied are one group.
-    const auto same = std::find_if(
-        groups_.begin(), groups_.end(), [&group](const FreeGroup& other) {
-          return other.free == group.free && other.target == group.target;
-        });
-    const auto of_same = matrices.begin() + (same - groups_.begin());
-    if (same == groups_.end()) {
-      groups_.push_back(std::move(group));
-      matrices.emplace_back(factor * change.group->matrix);
-    } else {
-      *of_same += factor * change.group->matrix;
-    }
-  }
-  for (size_t g = 0; g < groups_.size(); ++g) {
-    FindFactors(matrices[g], &groups_[g].left, &groups_[g].right);
-  }
+  groups_ = FindFreeGroups(averaged, layout);
   SetLoads(record, averaged.model(), modes);
   num_nodes_ = loads_.cols() < channels ? 2 : 1;
 }

@@ -13,6 +13,7 @@
 #include "pinode/dynamics/structural_dynamics.h"
 #include "pinode/estimate/ambient/ambient_lines.h"
 #include "pinode/estimate/ambient/line_pieces.h"
+#include "pinode/estimate/solver/free_groups.h"
 #include "pinode/problem/ambient_record.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/modal_analysis.h"
@@ -33,16 +34,6 @@ using ComplexFactor = Eigen::LLT<Eigen::MatrixXcd>;
 // n^3 for the n DOFs, and for each group n^2 times the rank of its matrix.
 class AmbientTransfer {
  public:
-  // A group of the model whose factor is free.
-  struct FreeGroup {
-    int free = -1;  // position among the free parameters
-    std::string name;
-    MatrixGroup::Target target = MatrixGroup::Target::kStiffness;
-    // The group's matrix is left right^T, num_dofs x rank. If it has full rank,
-    // it is `left` itself, and `right` is empty.
-    Matrix left, right;
-  };
-
   // `modes` are those of `averaged` at the initial values. `lines` and `pieces`
   // must outlive this object.
   AmbientTransfer(const AmbientRecord& record,

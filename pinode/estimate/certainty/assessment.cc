@@ -25,7 +25,7 @@ namespace {
 
 // Counts the unknowns, and the residuals that determine them.
 void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
-           const ModalCost* modes, ProblemAssessment* assessment) {
+           const Objective& objective, ProblemAssessment* assessment) {
   for (const IdentificationRecord& record : problem.records) {
     if (record.role != IdentificationRecord::Role::kTrain) continue;
     for (const MeasuredChannel& channel : record.channels) {
@@ -40,13 +40,18 @@ void Count(const IdentificationProblem& problem, const ParameterLayout& layout,
     }
   }
   assessment->num_free = layout.num_free();
-  if (modes != nullptr) assessment->num_residuals += modes->num_residuals();
+  if (objective.modes() != nullptr) {
+    assessment->num_residuals += objective.modes()->num_residuals();
+  }
+  for (const auto& frfs : objective.frfs()) {
+    assessment->num_residuals += frfs->num_residuals();
+  }
 }
 
 // True if the model stays at rest in all records: they begin at rest, without
 // any load. Such records say nothing.
 bool StaysAtRest(const IdentificationProblem& problem) {
-  if (problem.num_train_records() == 0 || !problem.ambient.empty() ||
+  if (problem.num_train_records() == 0 || problem.HasSpectra() ||
       !problem.modal.modes.empty() ||
       !problem.dynamics->unknown_forces().empty() ||
       !problem.dynamics->networks().empty()) {
@@ -125,7 +130,7 @@ bool AssessProblem(const IdentificationProblem& problem,
 
   const std::vector<Vector> sigmas =
       AssumedNoise(problem, options.tuning.noise);
-  Count(problem, layout, objective.modes(), assessment);
+  Count(problem, layout, objective, assessment);
   if (StaysAtRest(problem)) {
     SeeNothing(layout, assessment);
     return true;
@@ -185,8 +190,7 @@ bool AssessProblem(const IdentificationProblem& problem,
       WithUnseenGroups(problem, layout, point.free, covariance.covariance,
                        covariance.null_space);
   const bool sizes_known = !shooting.train_records().empty() ||
-                           !problem.ambient.empty() ||
-                           problem.modal.HasSigmas();
+                           problem.HasSpectra() || problem.modal.HasSigmas();
   if (sizes_known) {
     assessment->expected = ExpectedDeviations(layout, covariance.covariance,
                                               covariance.null_space);

@@ -10,6 +10,7 @@
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/ambient/ambient_score.h"
 #include "pinode/estimate/certainty/input_noise.h"
+#include "pinode/estimate/frf/frf_score.h"
 #include "pinode/estimate/shooting/residual_statistics.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 
@@ -109,12 +110,30 @@ bool AnyMisfit(const Vector& free, const Objective& objective) {
                      });
 }
 
+// True if the residuals of FRFs are not noise.
+bool AnyFrfMisfit(const Vector& free, const Objective& objective) {
+  return std::any_of(objective.frfs().begin(), objective.frfs().end(),
+                     [&free](const auto& record) {
+                       FrfScore score;
+                       return !ScoreFrfs(free, record.get(), &score) ||
+                              score.probability < kDoubtfulFrfProbability;
+                     });
+}
+
 // Returns the change of the middle matrix when scores of lines replace the
-// information of ambient records.
-Matrix ScoresForInformation(const Objective& objective, Eigen::Index size) {
+// information of ambient records, or of FRFs.
+Matrix ScoresForInformation(const Objective& objective, bool ambient, bool frfs,
+                            Eigen::Index size) {
   Matrix change = Matrix::Zero(size, size);
-  for (const auto& record : objective.ambient()) {
-    change += record->score_products() - record->information();
+  if (ambient) {
+    for (const auto& record : objective.ambient()) {
+      change += record->score_products() - record->information();
+    }
+  }
+  if (frfs) {
+    for (const auto& record : objective.frfs()) {
+      change += record->ScoreProducts() - record->information();
+    }
   }
   return change;
 }
@@ -416,11 +435,15 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   estimate->quantile = StudentQuantile(1e6);
   if (choice == Covariance::kPlain) return true;
   const bool automatic = choice == Covariance::kAuto;
-  const bool by_scores_of_lines = !objective->ambient().empty() &&
-                                  (!automatic || AnyMisfit(free, *objective));
+  const bool ambient_scores = !objective->ambient().empty() &&
+                              (!automatic || AnyMisfit(free, *objective));
+  const bool frf_scores = !objective->frfs().empty() &&
+                          (!automatic || AnyFrfMisfit(free, *objective));
+  const bool by_scores_of_lines = ambient_scores || frf_scores;
   Matrix middle = system.hessian;
   if (by_scores_of_lines) {
-    middle += ScoresForInformation(*objective, free.size());
+    middle += ScoresForInformation(*objective, ambient_scores, frf_scores,
+                                   free.size());
   }
   const auto of_lines_alone = [&] {
     if (!by_scores_of_lines) return true;

@@ -42,14 +42,14 @@ struct CovarianceEstimate {
 //                 place of the sandwich where an unknown force has more knots
 //                 than there are blocks
 //
-// If the spectra of ambient records differ from the model's, the middle of all
-// but the plain method has the products of the scores of their lines in place
-// of their information. kAuto takes input noise if a training record has a
-// noisy input. It takes sandwich or inflated if a Ljung-Box test finds
-// autocorrelation, else plain (or a sandwich of ambient records alone). The
-// test uses residuals at a draw from the posterior. These are white if the
-// noise is white, however much of the noise the fit has followed. Returns false
-// if the Hessian is not finite.
+// If the spectra of ambient records differ from the model's, or the residuals
+// of FRFs are not noise, the middle of all but the plain method has the
+// products of the scores of their lines in place of their information. kAuto
+// takes input noise if a training record has a noisy input. It takes sandwich
+// or inflated if a Ljung-Box test finds autocorrelation, else plain (or a
+// sandwich of lines alone). The test uses residuals at a draw from the
+// posterior. These are white if the noise is white, however much of the noise
+// the fit has followed. Returns false if the Hessian is not finite.
 [[nodiscard]] bool EstimateCovariance(const IdentificationProblem& problem,
                                       const ParameterLayout& layout,
                                       IdentificationOptions::Covariance choice,

@@ -173,7 +173,7 @@ ModalData KnownToModel(const IdentificationProblem& problem,
 bool ModesOfAmbientRecord(const IdentificationProblem& problem, int num_threads,
                           IdentificationProblem* modes_alone) {
   if (problem.ambient.empty() || problem.num_train_records() > 0 ||
-      !problem.modal.empty()) {
+      !problem.modal.empty() || !problem.frfs.empty()) {
     return false;
   }
   ModalData modal;

@@ -286,7 +286,10 @@ void CheckGroupsOfAmbientRecords(const FitSummary& fit, Findings* findings) {
 // Ambient records alone must tell something of the structure that their loads
 // could not have done as well.
 void CheckLoadsDoNotExplainAll(const FitSummary& fit, Findings* findings) {
-  if (fit.ambient.empty() || HasTrainRecord(fit) || !fit.modes.empty()) return;
+  if (fit.ambient.empty() || HasTrainRecord(fit) || !fit.modes.empty() ||
+      !fit.frfs.empty()) {
+    return;
+  }
   for (const AmbientScore& score : fit.ambient) {
     if (score.most_information_left >= limits::kAnyInformationLeft) {
       CheckGroupsOfAmbientRecords(fit, findings);
@@ -329,6 +332,51 @@ void CheckSpectra(const FitSummary& fit, Findings* findings) {
   }
 }
 
+// The pair with the largest entry of `values`, as "pair a/b of 'name'".
+std::string WorstPair(const FrfScore& score, const Vector& values) {
+  Eigen::Index worst = 0;
+  values.maxCoeff(&worst);
+  return "pair " + score.pairs[static_cast<size_t>(worst)] + " of '" +
+         score.name + "'";
+}
+
+void CheckFrfs(const FitSummary& fit, Findings* findings) {
+  for (const FrfScore& score : fit.frfs) {
+    if (score.pairs.empty()) {
+      findings->push_back({"frfs_not_finite",
+                           "the model has no finite frequency responses for '" +
+                               score.name + "'",
+                           kNaN, kNaN, "check units, masses and stiffnesses"});
+    } else if (score.errors.norm() >
+               limits::kFrfErrorGrowth * score.prior_errors.norm() +
+                   limits::kFrfRounding) {
+      findings->push_back({"frfs_no_better_than_initial_model",
+                           "the model does not describe frequency responses '" +
+                               score.name + "' better than the initial model",
+                           score.errors.norm(), score.prior_errors.norm()});
+    } else if (score.WorstUnexplained() > limits::kFrfUnexplained) {
+      findings->push_back(
+          {"frfs_not_described",
+           PercentText(score.WorstUnexplained()) + " of " +
+               WorstPair(score, score.unexplained) +
+               " is unexplained, and noise is not the reason",
+           score.WorstUnexplained(), limits::kFrfUnexplained,
+           "check size, sign and place of hammer and sensor, the damping, and "
+           "the band; or find what the model lacks"});
+    }
+    if (score.noise_ratios.size() > 0 &&
+        score.noise_ratios.maxCoeff() > limits::kGivenNoiseFar) {
+      findings->push_back(
+          {"frf_noise_far_off",
+           "the error of " + WorstPair(score, score.noise_ratios) + " is " +
+               FormatNumber(score.noise_ratios.maxCoeff(), 3) +
+               " times its given noise",
+           score.noise_ratios.maxCoeff(), limits::kGivenNoiseFar,
+           "correct 'sigma', or find what the model lacks"});
+    }
+  }
+}
+
 // True if the initial model has the measured modes, up to rounding: nothing is
 // left to be met better.
 bool InitialModelMeetsModes(const FitSummary& fit) {
@@ -342,7 +390,7 @@ bool InitialModelMeetsModes(const FitSummary& fit) {
 }
 
 void CheckModalCost(const FitSummary& fit, Findings* findings) {
-  if (fit.modes.empty() || HasTrainRecord(fit) ||
+  if (fit.modes.empty() || HasTrainRecord(fit) || !fit.frfs.empty() ||
       fit.final_modal_cost < fit.initial_modal_cost ||
       InitialModelMeetsModes(fit)) {
     return;
@@ -357,7 +405,8 @@ void CheckModalCost(const FitSummary& fit, Findings* findings) {
 
 // Frequencies of a symmetric structure always allow its mirror image.
 bool IsOfFrequenciesAlone(const FitSummary& fit) {
-  return !HasTrainRecord(fit) && fit.ambient.empty() && !fit.modes.empty() &&
+  return !HasTrainRecord(fit) && fit.ambient.empty() && fit.frfs.empty() &&
+         !fit.modes.empty() &&
          std::none_of(fit.modes.begin(), fit.modes.end(),
                       [](const ModeScore& mode) {
                         return std::isfinite(mode.updated.mac);
@@ -445,6 +494,7 @@ std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit) {
   CheckFrequencies(fit, &findings);
   CheckLoadsDoNotExplainAll(fit, &findings);
   CheckSpectra(fit, &findings);
+  CheckFrfs(fit, &findings);
   CheckModalCost(fit, &findings);
   CheckConvergence(gaps, fit, &findings);
   CheckDamping(fit, &findings);
@@ -454,7 +504,7 @@ std::vector<Finding> CheckFit(const GapTuning& gaps, const FitSummary& fit) {
 
 std::vector<Finding> CheckMeasuredFrequencies(
     const IdentificationProblem& problem, const FitSummary& fit) {
-  if (problem.num_train_records() > 0 || !problem.ambient.empty()) return {};
+  if (problem.num_train_records() > 0 || problem.HasSpectra()) return {};
   double sum = 0.0;
   double worst = 0.0;
   int count = 0;
@@ -486,6 +536,29 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
   if (!fit.other_solution.empty() && IsOfFrequenciesAlone(fit)) {
     findings.push_back(OtherSolution(fit));
     findings.back().grade = Grade::kWithCare;
+  }
+  for (const FrfScore& score : fit.frfs) {
+    if (score.probability < limits::kFrfProbability) {
+      findings.push_back(
+          {"frf_residual_no_noise",
+           "the error of frequency responses '" + score.name +
+               "' is not noise: " + PercentText(score.WorstUnexplained()) +
+               " of " + WorstPair(score, score.unexplained) + " is unexplained",
+           score.probability, limits::kFrfProbability,
+           "find what the model lacks; or, if the noise is a share of each "
+           "line, set noise = \"relative\"",
+           Grade::kWithCare});
+    }
+    if (score.noise_ratios.size() > 0 &&
+        score.noise_ratios.maxCoeff() > limits::kGivenNoise) {
+      findings.push_back(
+          {"frf_noise_off",
+           "the error of " + WorstPair(score, score.noise_ratios) + " is " +
+               FormatNumber(score.noise_ratios.maxCoeff(), 3) +
+               " times its given noise",
+           score.noise_ratios.maxCoeff(), limits::kGivenNoise,
+           "correct 'sigma', or find what the model lacks", Grade::kWithCare});
+    }
   }
   for (const RecordScore& score : fit.records) {
     if (!IsTraining(score)) continue;

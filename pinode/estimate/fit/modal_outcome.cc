@@ -186,7 +186,7 @@ void ReportModes(const IdentificationProblem& problem,
   summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
   const std::string left_out = ModesLeftOut(summary->modes);
   if (!left_out.empty()) summary->remarks.push_back(left_out);
-  if (*known && problem.num_train_records() == 0 && problem.ambient.empty()) {
+  if (*known && problem.num_train_records() == 0 && !problem.HasSpectra()) {
     JudgeModes(layout.Free(parameters), modes, known, covariance, summary);
   }
 }

@@ -85,7 +85,7 @@ Eigen::Index MostChannels(const IdentificationProblem& problem) {
 // Frequencies without shapes have many minima, in which they are exchanged.
 bool IsOfFrequenciesAlone(const IdentificationProblem& problem) {
   const std::vector<MeasuredMode>& modes = problem.modal.modes;
-  return problem.num_train_records() == 0 && problem.ambient.empty() &&
+  return problem.num_train_records() == 0 && !problem.HasSpectra() &&
          !modes.empty() &&
          std::none_of(modes.begin(), modes.end(),
                       [](const MeasuredMode& mode) { return mode.HasShape(); });
@@ -102,7 +102,7 @@ int NumStarts(const IdentificationProblem& problem,
     return kStartsOfFrequencies;
   }
   if (initial != nullptr || !problem.dynamics->IsLinear() ||
-      problem.num_train_records() == 0 || !problem.ambient.empty() ||
+      problem.num_train_records() == 0 || problem.HasSpectra() ||
       !problem.modal.modes.empty()) {
     return 1;
   }
@@ -284,8 +284,7 @@ std::string OtherSolution(const IdentificationProblem& problem,
                           const Starts& starts,
                           const std::vector<StartResult>& results, Fit* fit) {
   const bool by_modes = problem.num_train_records() == 0 &&
-                        problem.ambient.empty() &&
-                        problem.modal.HasSigmasOfAll();
+                        !problem.HasSpectra() && problem.modal.HasSigmasOfAll();
   if ((problem.num_train_records() == 0 && !by_modes) || results.size() < 2 ||
       starts.groups().empty()) {
     return "";

@@ -18,6 +18,7 @@
 #include "pinode/estimate/certainty/null_space.h"
 #include "pinode/estimate/certainty/prediction_band.h"
 #include "pinode/estimate/fit/modal_outcome.h"
+#include "pinode/estimate/frf/frf_score.h"
 #include "pinode/estimate/objective/bent_cost.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
@@ -283,6 +284,26 @@ void ReportAmbient(const Vector& free, const Objective& objective,
   }
 }
 
+// Scores FRFs by the initial and the fitted model.
+void ReportFrfs(const Vector& initial, const Vector& free,
+                const Objective& objective, FitSummary* summary) {
+  for (const auto& record : objective.frfs()) {
+    FrfScore score;
+    double unused = 0.0;
+    Vector prior;
+    if (record->Evaluate(initial, &unused)) prior = FrfErrors(*record);
+    if (ScoreFrfs(free, record.get(), &score)) {
+      score.prior_errors =
+          prior.size() > 0
+              ? prior
+              : Vector(Vector::Constant(score.errors.size(), kInfinity));
+    } else {
+      score.probability = 0.0;
+    }
+    summary->frfs.push_back(std::move(score));
+  }
+}
+
 void ReportParameters(const IdentificationProblem& problem,
                       const ParameterLayout& layout, const Vector& parameters,
                       const Certainty& certainty, FitSummary* summary) {
@@ -363,6 +384,8 @@ void ReportOutcome(const IdentificationProblem& problem,
     if (!KeepsHistories(options)) score.prediction.resize(0, 0);
   }
   ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
+  ReportFrfs(layout.Free(layout.InitialValues()),
+             layout.Free(model->parameters), fit->objective(), summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
   summary->forces = EstimateForces(
       problem, layout, model->parameters,

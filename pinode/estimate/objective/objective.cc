@@ -26,6 +26,12 @@ Objective::Objective(const IdentificationProblem& problem,
     ambient_.push_back(std::make_unique<AmbientCost>(
         record, *problem.dynamics, layout, options.num_threads,
         options.communicator));
+    spectra_.push_back(ambient_.back().get());
+  }
+  for (const FrfRecord& record : problem.frfs) {
+    frfs_.push_back(std::make_unique<FrfCost>(record, *problem.dynamics, layout,
+                                              options.num_threads));
+    spectra_.push_back(frfs_.back().get());
   }
 }
 
@@ -37,7 +43,7 @@ bool Objective::Evaluate(const Vector& free, double* cost) {
     return false;
   }
   *cost += priors + modes;
-  for (const auto& record : ambient_) {
+  for (CostPart* record : spectra_) {
     double part = 0.0;
     if (!record->Evaluate(free, &part)) return false;
     *cost += part;
@@ -54,7 +60,7 @@ bool Objective::Linearize(const Vector& free, CondensedSystem* system) {
   system->Add(priors);
   if (modes_ != nullptr) system->Add(modes);
   other_information_ = modes.hessian;
-  for (const auto& record : ambient_) {
+  for (CostPart* record : spectra_) {
     CondensedSystem part;
     if (!record->Linearize(free, &part)) return false;
     system->Add(part);
@@ -71,7 +77,7 @@ std::string Objective::Failure() const {
   if (modes_ != nullptr && !modes_->Failure().empty()) {
     return modes_->Failure();
   }
-  for (const auto& record : ambient_) {
+  for (const CostPart* record : spectra_) {
     if (!record->Failure().empty()) return record->Failure();
   }
   return shooting_.Failure();

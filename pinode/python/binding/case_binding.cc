@@ -253,8 +253,7 @@ py::dict Check(const std::shared_ptr<const CaseHandle>& given,
   const CaseHandle& handle = *given;
   const IdentificationProblem& problem = handle.c.problem;
   const bool has_measurements = !problem.records.empty() ||
-                                !problem.modal.empty() ||
-                                !problem.ambient.empty();
+                                !problem.modal.empty() || problem.HasSpectra();
   if (has_measurements) CheckFit(handle);
   ResultFolder folder;
   std::string error;

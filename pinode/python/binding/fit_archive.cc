@@ -265,7 +265,7 @@ void Visit(Archive* a, Fields&... fields) {
 
 // Number of the layout of a packed fit. Count it up when a visited struct
 // changes.
-constexpr int kLayout = 5;
+constexpr int kLayout = 6;
 
 // Integration steps of a record, which a fit may have refined.
 struct RecordSteps {

@@ -362,6 +362,31 @@ py::list Ambient(const std::shared_ptr<Fit>& fit) {
   return list;
 }
 
+// Returns measured and modelled frequency responses, pairs x lines.
+py::list Frfs(const std::shared_ptr<Fit>& fit) {
+  const double to_hz = fit->c.problem.description.HzPerModelFrequency();
+  const auto complex = [](const Matrix& real, const Matrix& imaginary) {
+    return FromMatrix(real).attr("__add__")(
+        FromMatrix(imaginary).attr("__mul__")(std::complex<double>(0.0, 1.0)));
+  };
+  py::list list;
+  for (const FrfScore& score : fit->summary.frfs) {
+    py::dict entry;
+    entry["name"] = score.name;
+    entry["pairs"] = score.pairs;
+    entry["errors"] = FromVector(score.errors);
+    entry["initial_errors"] = FromVector(score.prior_errors);
+    entry["unexplained"] = FromVector(score.unexplained);
+    entry["sigma"] = FromVector(score.sigma);
+    entry["probability"] = score.probability;
+    entry["frequencies_hz"] = FromVector(to_hz * score.frequencies);
+    entry["measured"] = complex(score.measured_real, score.measured_imaginary);
+    entry["modelled"] = complex(score.modelled_real, score.modelled_imaginary);
+    list.append(std::move(entry));
+  }
+  return list;
+}
+
 // Returns one row per iteration.
 py::dict History(const Fit& fit) {
   py::dict result;
@@ -523,6 +548,7 @@ void BindFit(py::module_* module) {
       .def("profiles", &Profiles)
       .def("loops", &Loops)
       .def("ambient", &Ambient)
+      .def("frfs", &Frfs)
       .def("history", &History)
       .def("json", &Json)
       .def("structure", &StructureHtml)

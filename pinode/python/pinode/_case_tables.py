@@ -24,6 +24,7 @@ KEYS = {
     "unknown_forces": "unknown_force",
     "records": "record",
     "modes": "mode",
+    "frfs": "frf",
     "reference_curves": "reference_curve",
 }
 
@@ -37,6 +38,7 @@ _LISTS = {
     "unknown_forces": "pinode.UnknownForce",
     "records": "pinode.Record",
     "modes": "pinode.Mode",
+    "frfs": "dictionary",
     "reference_curves": "dictionary",
 }
 

@@ -255,6 +255,15 @@ class Outcome:
         return {a["name"]: a for a in self._handle.ambient()}
 
     @property
+    def frfs(self) -> dict[str, dict[str, Any]]:
+        """Frequency responses of each `[[frf]]`, measured and modelled.
+
+        They are complex, pairs x lines, in the model's units. Each pair has its error
+        and its unexplained part as fractions of the function, and the noise.
+        """
+        return {f["name"]: f for f in self._handle.frfs()}
+
+    @property
     def history(self) -> dict[str, np.ndarray]:
         """Iterations, one row each: stage, iteration, cost, accepted, gradient_norm,
         largest_gap.

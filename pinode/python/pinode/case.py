@@ -38,6 +38,8 @@ class Case:
     model: a Model, ShearBuilding or FiniteElementModel.
     groups, elements, libraries, networks, unknown_forces: lists of the unknowns.
     records, modes: lists of the measurements.
+    frfs: list of frequency response functions, each a dictionary with the keys of
+        `[[frf]]` in a case file, such as {"files": [...], "dofs": {...}}.
     title: a text for reports.
     units: units of the model, such as {"force": "kN", "length": "mm"}. Default: N, m,
         s.
@@ -65,6 +67,7 @@ class Case:
         unknown_forces: Sequence[Mapping[str, Any]] | None = None,
         records: Sequence[Mapping[str, Any]] | None = None,
         modes: Sequence[Mapping[str, Any]] | None = None,
+        frfs: Sequence[Mapping[str, Any]] | None = None,
         title: str | None = None,
         units: Mapping[str, str] | None = None,
         options: Mapping[str, Any] | None = None,
@@ -81,6 +84,7 @@ class Case:
             "unknown_forces": unknown_forces,
             "records": records,
             "modes": modes,
+            "frfs": frfs,
             "options": options,
             **tables,
         }

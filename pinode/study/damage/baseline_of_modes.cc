@@ -58,7 +58,7 @@ double VarianceOfModes(const IdentificationProblem& problem,
 bool BaselineOfModes::IsOne(const Baseline& baseline) {
   if (baseline.fit == nullptr) return false;
   const IdentificationProblem& problem = baseline.fit->problem;
-  return problem.num_train_records() == 0 && problem.ambient.empty() &&
+  return problem.num_train_records() == 0 && !problem.HasSpectra() &&
          !problem.modal.modes.empty();
 }
 

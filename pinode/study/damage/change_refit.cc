@@ -219,6 +219,7 @@ ChangeRefitter::ChangeRefitter(const FitOfRecords& fit,
 
 std::string ChangeRefitter::WhyNot() const {
   if (!fit_.problem.ambient.empty()) return "there are ambient records";
+  if (!fit_.problem.frfs.empty()) return "there are frequency responses";
   if (!fit_.problem.dynamics->networks().empty()) return "there is a network";
   if (!fit_.problem.dynamics->unknown_forces().empty()) {
     return "there are unknown forces";

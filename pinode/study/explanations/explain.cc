@@ -208,6 +208,10 @@ class Report {
     double sum = SquaredError(fit);
     if (std::isfinite(fit.final_modal_cost)) sum += 2.0 * fit.final_modal_cost;
     for (const AmbientScore& score : fit.ambient) sum += score.chi_square;
+    for (const FrfScore& score : fit.frfs) {
+      sum += static_cast<double>(score.num_lines) *
+             score.errors.cwiseQuotient(score.sigma).squaredNorm();
+    }
     return sum;
   }
 
@@ -341,7 +345,7 @@ class Report {
 bool CanExplain(const IdentificationProblem& problem,
                 const IdentificationOptions& options) {
   return problem.num_train_records() > 0 && problem.modal.modes.empty() &&
-         problem.ambient.empty() &&
+         !problem.HasSpectra() &&
          CommunicatorOrSingle(options.communicator).size() == 1;
 }
 
@@ -381,7 +385,7 @@ Explained Explain(const IdentificationProblem& problem,
   const bool has_records = problem.num_train_records() > 0;
   const bool has_modes = !problem.modal.modes.empty();
   // Weights of modes that are no standard deviations have no likelihood.
-  if ((!has_records && problem.ambient.empty()) ||
+  if ((!has_records && !problem.HasSpectra()) ||
       (has_modes && !problem.modal.HasSigmasOfAll()) ||
       CommunicatorOrSingle(options.communicator).size() > 1) {
     return {};

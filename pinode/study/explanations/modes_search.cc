@@ -71,7 +71,7 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 }
 
 bool IsOfModes(const IdentificationProblem& problem) {
-  return problem.num_train_records() == 0 && problem.ambient.empty() &&
+  return problem.num_train_records() == 0 && !problem.HasSpectra() &&
          !problem.modal.empty() && problem.modal.HasSigmasOfAll();
 }
 

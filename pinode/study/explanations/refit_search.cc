@@ -75,9 +75,10 @@ double MemoryOf(const IdentificationProblem& problem, const FitSummary& fit) {
   return std::max(1.0, sum / std::max(count, 1));
 }
 
-// Logarithm of the likelihood of ambient records and measured modes. The
+// Logarithm of the likelihood of ambient records, measured modes and FRFs. The
 // variances of the lines of an ambient record are those that the fit `scale`
-// leaves: its chi^2 per degree of freedom, at least 1.
+// leaves: its chi^2 per degree of freedom, at least 1. Correlated lines of FRFs
+// count as fewer.
 double LogLikelihood(const FitSummary& fit, const FitSummary& scale) {
   double sum = 0.0;
   for (size_t i = 0; i < fit.ambient.size(); ++i) {
@@ -88,6 +89,9 @@ double LogLikelihood(const FitSummary& fit, const FitSummary& scale) {
     if (likelihood == 0.0) return std::numeric_limits<double>::quiet_NaN();
     sum += likelihood /
            (freedom > 0.0 ? std::max(1.0, score.chi_square / freedom) : 1.0);
+  }
+  for (size_t i = 0; i < fit.frfs.size(); ++i) {
+    sum += fit.frfs[i].log_likelihood / scale.frfs[i].memory;
   }
   return fit.modes.empty() ? sum : sum - fit.final_modal_cost;
 }
@@ -171,11 +175,15 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
     num_samples_ += 2.0 * static_cast<double>(score.num_lines) *
                     static_cast<double>(score.channels.size());
   }
+  for (const FrfScore& score : fit.frfs) {
+    num_samples_ += 2.0 * static_cast<double>(score.num_lines) *
+                    static_cast<double>(score.pairs.size());
+  }
   for (size_t i = 0; i < fit.modes.size(); ++i) {
     if (!fit.modes[i].InUse()) continue;
     num_samples_ += NumbersOf(problem.modal.modes[i]);
   }
-  if (!problem.ambient.empty() || !problem.modal.empty()) AddSuspectsBeside();
+  if (problem.HasSpectra() || !problem.modal.empty()) AddSuspectsBeside();
   if (problem.num_train_records() == 0) return;
   // The log odds are N / 2m times the relative change of the cost.
   options_.function_tolerance =
@@ -209,7 +217,7 @@ bool RefitSearch::Run() {
   own.fit = fit_;
   own.model = model_;
   own.log_odds = 0.0;
-  if (problem_.num_train_records() > 0 && problem_.ambient.empty()) {
+  if (problem_.num_train_records() > 0 && !problem_.HasSpectra()) {
     AddForceSuspects(own);
   }
   if (MostUnexplained(fit_) > limits::kLittleUnexplainedByForce) {

@@ -192,6 +192,27 @@ void Add(const AmbientRecord& record, Hash* hash) {
   }
 }
 
+void Add(const FrfRecord& record, Hash* hash) {
+  hash->Add(record.name);
+  hash->Add(Matrix(record.frequencies));
+  for (const Observation& response : record.responses) {
+    hash->Add(response.name);
+    hash->Add(static_cast<std::int64_t>(response.quantity));
+    hash->Add(Matrix(response.weights));
+  }
+  hash->Add(record.references);
+  hash->Add(Matrix(record.values.real()));
+  hash->Add(Matrix(record.values.imag()));
+  hash->Add(record.variances);
+  hash->Add(Matrix(record.sigma));
+  hash->Add(static_cast<std::int64_t>(record.loss_factor));
+  for (const std::vector<int>* indices : {&record.gains, &record.delays}) {
+    for (const int index : *indices) {
+      hash->Add(static_cast<std::int64_t>(index));
+    }
+  }
+}
+
 }  // namespace
 
 std::string ProblemHash(const IdentificationProblem& problem) {
@@ -203,6 +224,7 @@ std::string ProblemHash(const IdentificationProblem& problem) {
   }
   Add(problem.modal, &hash);
   for (const AmbientRecord& record : problem.ambient) Add(record, &hash);
+  for (const FrfRecord& record : problem.frfs) Add(record, &hash);
   return hash.Text();
 }
 
