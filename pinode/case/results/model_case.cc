@@ -42,7 +42,7 @@ class ModelCaseWriter {
     SetNetworks();
     return WriteModelFiles(dynamics_, folder_, error_) && WriteGroups() &&
            SetElements() && SetLibraries() && SetForces() && SetRecords() &&
-           SetModes() && SetReferenceCurves() && SetGeometry() &&
+           SetModes() && SetFrfs() && SetReferenceCurves() && SetGeometry() &&
            WriteArrays() &&
            WriteFileAtomically(Path("model.toml"),
                                "# The model after the identification. The "
@@ -248,7 +248,11 @@ class ModelCaseWriter {
 
   void MovePath(TomlValue* table, const char* key = "file") const {
     TomlValue* file = table->Find(key);
-    if (file == nullptr || file->type != TomlValue::Type::kString ||
+    if (file != nullptr) MoveName(file);
+  }
+
+  void MoveName(TomlValue* file) const {
+    if (file->type != TomlValue::Type::kString ||
         (c_.data != nullptr && c_.data->Has(file->text))) {
       return;
     }
@@ -301,6 +305,40 @@ class ModelCaseWriter {
       if (covariance != nullptr && covariance->IsTable()) MovePath(covariance);
     }
     return true;
+  }
+
+  // Sets where the files are, and the sensors. One key describes the gains of
+  // all responses, so it has their mean, from which a fit can begin.
+  bool SetFrfs() {
+    TomlValue* tables = root_.Find("frf");
+    if (tables == nullptr) return true;
+    for (size_t i = 0; i < tables->elements.size(); ++i) {
+      TomlValue& table = tables->elements[i];
+      for (TomlValue& file : table.Find("files")->elements) MoveName(&file);
+      if (i >= c_.problem.frfs.size()) continue;
+      const FrfRecord& record = c_.problem.frfs[i];
+      SetMean("gain", record.gains, 1.0, &table);
+      SetMean("delay", record.delays,
+              c_.problem.description.HzPerModelFrequency(), &table);
+      SetMean("loss_factor", {record.loss_factor}, 1.0, &table);
+    }
+    return true;
+  }
+
+  // Sets the unknown `key` to the mean of these sensor parameters, over
+  // `factor`.
+  void SetMean(const char* key, const std::vector<int>& indices, double factor,
+               TomlValue* table) const {
+    TomlValue* keys = table->Find(key);
+    if (keys == nullptr || indices.empty() || indices.front() < 0) return;
+    Parameter parameter =
+        sensors_.parameters[static_cast<size_t>(indices.front())];
+    double sum = 0.0;
+    for (const int index : indices) {
+      sum += sensors_.parameters[static_cast<size_t>(index)].value;
+    }
+    parameter.value = sum / static_cast<double>(indices.size());
+    SetParameter(parameter, factor, keys);
   }
 
   bool SetReferenceCurves() {

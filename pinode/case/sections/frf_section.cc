@@ -314,7 +314,7 @@ bool ReadFrfSections(const TomlTable& root, const UnitSystem& units,
                      const StructuralModel& model,
                      IdentificationProblem* problem) {
   size_t number = 0;
-  for (const TomlTable& table : root.Tables("frf", "[[frf]]")) {
+  for (const TomlTable& table : root.Tables("frf")) {
     if (!FrfReader(table, units, model, problem).Read(++number)) return false;
   }
   return root.errors()->ok();

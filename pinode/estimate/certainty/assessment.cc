@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <utility>
 
@@ -112,9 +113,44 @@ std::vector<ExpectedDeviation> ExpectedDeviations(const ParameterLayout& layout,
   return expected;
 }
 
+namespace {
+
+// Gives FRFs without one the noise that channels without one have.
+IdentificationProblem WithFrfNoise(IdentificationProblem problem,
+                                   double share) {
+  for (FrfRecord& record : problem.frfs) {
+    if (record.sigma.size() > 0) continue;
+    record.sigma.resize(record.num_pairs());
+    for (Eigen::Index p = 0; p < record.num_pairs(); ++p) {
+      double squares = 0.0;
+      double count = 0.0;
+      for (Eigen::Index k = 0; k < record.num_lines(); ++k) {
+        const double square = std::norm(record.values(k, p));
+        if (!std::isfinite(square)) continue;
+        squares += square /
+                   (record.variances.size() > 0 ? record.variances(k, p) : 1.0);
+        count += 2.0;
+      }
+      record.sigma[p] = share * std::sqrt(squares / count);
+    }
+  }
+  return problem;
+}
+
+}  // namespace
+
 bool AssessProblem(const IdentificationProblem& problem,
                    const IdentificationOptions& options,
                    ProblemAssessment* assessment, std::string* error) {
+  const auto estimates_noise = [](const FrfRecord& record) {
+    return record.sigma.size() == 0;
+  };
+  if (std::any_of(problem.frfs.begin(), problem.frfs.end(), estimates_noise) &&
+      problem.IsValid(error)) {
+    return AssessProblem(
+        WithFrfNoise(problem, options.tuning.noise.first_share), options,
+        assessment, error);
+  }
   constexpr double kFirmness = 1e4;  // of gaps, against the data's own hold
   *assessment = ProblemAssessment();
   if (!problem.IsValid(error) || !options.IsValid(error) ||

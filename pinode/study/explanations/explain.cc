@@ -202,15 +202,14 @@ class Report {
     return result;
   }
 
-  // Squared error of what is fitted: records, modes in standard deviations, and
-  // the chi^2 of ambient records.
+  // Squared error of what is fitted: records, modes in standard deviations, the
+  // chi^2 of ambient records, and FRFs as shares of their mean squares.
   static double ErrorOf(const FitSummary& fit) {
     double sum = SquaredError(fit);
     if (std::isfinite(fit.final_modal_cost)) sum += 2.0 * fit.final_modal_cost;
     for (const AmbientScore& score : fit.ambient) sum += score.chi_square;
     for (const FrfScore& score : fit.frfs) {
-      sum += static_cast<double>(score.num_lines) *
-             score.errors.cwiseQuotient(score.sigma).squaredNorm();
+      sum += static_cast<double>(score.num_lines) * score.errors.squaredNorm();
     }
     return sum;
   }
