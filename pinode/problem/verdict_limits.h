@@ -101,9 +101,15 @@ constexpr double kWidestInterval = 1.0;
 // Frequency response functions.
 
 // Largest part of an FRF's norm that the model may leave unexplained beyond
-// noise.
+// noise. Of a chain of three masses with noise of 1 % and three springs free, a
+// mass off by 30 % left 1.2, by 10 % 0.22, and twice the damping 0.4; springs
+// were off by up to 0.3, tens of their widths. A mass off by 2 % left 0.05:
+// springs were off by 0.02, and the intervals that allow for the explanation
+// held the truth.
 constexpr double kFrfUnexplained = 0.1;
-// Smallest probability that residuals which are not alike noise are chance.
+// Smallest probability that residuals which are not alike noise are chance. The
+// right model of that chain had 0.4 to 1, a mass off by half a per cent 1e-109,
+// damping off by a tenth 0.
 constexpr double kFrfProbability = 1e-4;
 // A fit may raise the error of FRFs by this factor, because pairs with little
 // noise count more.
