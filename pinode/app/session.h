@@ -104,7 +104,7 @@ class Session {
     DraftQuestion question;
   };
 
-  // What a step is to do.
+  // A step, and the folder and case that it works on.
   struct Order {
     std::string kind;
     bool resume = false;  // of a fit: from its checkpoint

@@ -75,8 +75,8 @@ inline std::string FrameText(const Frame& frame, bool elements) {
        << "[model]\ndofs = [\"u1\", \"u2\", \"u3\"]\n"
        << "damping = {ratios = [0.01]}\n";
   if (elements) {
-    // Of a clamped wall's mass the consistent mass matrix couples 9/70 to the
-    // other end.
+    // The consistent mass matrix of a clamped wall couples 9/70 of its mass to
+    // the other end.
     text << "support_mass_coupling = {x = [" << 9.0 / 70.0 * frame.wall
          << ", 0, 0]}\n";
   }
