@@ -324,6 +324,44 @@ std::unique_ptr<Fit> RunLinear(const IdentificationProblem& problem,
   return Better(&whole, kWholeRecords, &staged, kStages, outcome);
 }
 
+// Goes on from values near the end, such as those of a baseline: on whole
+// records first. Ten steps are enough from such a start; a start that needs
+// more than three times as many is left to the stages.
+std::unique_ptr<Fit> RunFromStart(const IdentificationProblem& problem,
+                                  const IdentificationOptions& options,
+                                  const IdentifiedModel& start,
+                                  FitSummary* outcome) {
+  constexpr int kMostSteps = 30;
+
+  IdentificationOptions single = options;
+  single.shooting = Shooting::kSingle;
+  single.max_num_iterations = std::min(options.max_num_iterations, kMostSteps);
+  Way whole(problem, single, 0);
+  whole.Run(start.parameters, &start);
+  if (whole.interrupted() || LeavesOnlyNoise(problem, &whole)) {
+    outcome->way = kWholeRecords;
+    return whole.Take(outcome);
+  }
+  Way staged(problem, options, 0);
+  staged.Run(start.parameters, &start);
+  if (staged.interrupted() && whole.ok()) {
+    outcome->way =
+        std::string(kWholeRecords) + "; " + kStages + ": interrupted";
+    return whole.Take(outcome);
+  }
+  return Better(&whole, kWholeRecords, &staged, kStages, outcome);
+}
+
+// True if a start's values may be tried on whole records. An interrupted fit
+// goes on in its stage, and networks are annealed in theirs.
+bool MayStartOnWholeRecords(const IdentificationProblem& problem,
+                            const IdentificationOptions& options,
+                            const IdentifiedModel& start) {
+  return start.resume_stage == 0 && options.shooting != Shooting::kSingle &&
+         problem.num_train_records() > 0 && problem.ambient.empty() &&
+         problem.dynamics->networks().empty();
+}
+
 // Trains networks, and again from the linear part if that is better.
 std::unique_ptr<Fit> RunNetworks(const IdentificationProblem& problem,
                                  const IdentificationProblem& linear,
@@ -385,6 +423,11 @@ std::unique_ptr<Fit> RunWays(const IdentificationProblem& problem,
                              const Vector& parameters,
                              const IdentifiedModel* initial,
                              FitSummary* summary) {
+  if (initial != nullptr &&
+      MayStartOnWholeRecords(problem, options, *initial)) {
+    *summary = FitSummary();
+    return RunFromStart(problem, options, *initial, summary);
+  }
   const bool chosen = initial != nullptr ||
                       options.shooting == Shooting::kSingle ||
                       problem.num_train_records() == 0;
