@@ -153,5 +153,33 @@ TEST_F(WaysTest, LinearModelsAreFittedOnWholeRecordsFirst) {
   EXPECT_THAT(summary.way, HasSubstr("stages of multiple shooting"));
 }
 
+// Whole records come first. Where they leave more than noise, the stages are
+// tried as well.
+TEST_F(WaysTest, AFitFromAStartTriesWholeRecordsFirst) {
+  Vector truth = dynamics_->Parameters();
+  truth.head(2) << -0.2, 0.15;
+  IdentificationProblem problem = Problem(0.02, truth);
+  IdentificationSummary summary, direct;
+  IdentifiedModel start, model, other;
+  testing::FitAndJudge(problem, IdentificationOptions(), nullptr, &direct,
+                       &start);
+  start.parameters[0] += 0.1;
+  testing::FitAndJudge(problem, IdentificationOptions(), &start, &summary,
+                       &model);
+  EXPECT_TRUE(summary.usable()) << summary.message;
+  EXPECT_EQ(summary.way, "whole records at once");
+  EXPECT_EQ(summary.stages.size(), 1u);
+  EXPECT_NEAR(summary.records[0].nrmse, direct.records[0].nrmse, 1e-6);
+
+  Vector& values = problem.records[0].channels[1].values;
+  const double size = values.norm() / std::sqrt(values.size());
+  for (int i = 0; i < values.size(); ++i) {
+    values[i] += 0.3 * size * std::sin(0.11 * i);
+  }
+  testing::FitAndJudge(problem, IdentificationOptions(), &start, &summary,
+                       &other);
+  EXPECT_THAT(summary.way, HasSubstr("stages of multiple shooting"));
+}
+
 }  // namespace
 }  // namespace pinode
