@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <complex>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/record/frf/frf_files.h"
+#include "tests/support/measured_data_testing.h"
 
 namespace pinode {
 namespace {
@@ -221,11 +221,7 @@ TEST(FrfModesTest, PolesOfEachFileFollowADrift) {
 // of fits of single modes to each file. The accelerometer is at point 4,
 // upside down.
 TEST(FrfModesTest, MeasuredBeam) {
-  const char* const data = std::getenv("PINODE_MEASURED_DATA");
-  if (data == nullptr) {
-    GTEST_SKIP() << "measured data not at hand; set PINODE_MEASURED_DATA";
-  }
-  const std::string folder = std::string(data) + "/frf/free_beam/";
+  PINODE_FIND_MEASURED_DATA(folder, "frf/free_beam");
   std::vector<FrequencyResponse> single;
   std::vector<std::string> remarks;
   std::string error;
@@ -234,7 +230,7 @@ TEST(FrfModesTest, MeasuredBeam) {
     options.responses = {"p4"};
     options.references = {"p" + std::to_string(i)};
     ASSERT_TRUE(
-        ReadFrfFile(folder + "Hxysv0000" + std::to_string(i) + ".txt.gz",
+        ReadFrfFile(folder + "/Hxysv0000" + std::to_string(i) + ".txt.gz",
                     options, &single, &remarks, &error))
         << error;
   }
