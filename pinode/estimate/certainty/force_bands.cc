@@ -143,9 +143,10 @@ std::vector<ForceEstimate> EstimateForces(const IdentificationProblem& problem,
         quantile, [&](double time) {
           const ForceHistory::Local local =
               term.history->Evaluate(time, parameters.data() + offset);
-          return ForceAt{
-              local.value, offset + local.first,
-              Eigen::Map<const Vector>(local.derivatives, local.count)};
+          Vector derivatives(local.count);
+          std::copy_n(local.derivatives, local.count, derivatives.data());
+          return ForceAt{local.value, offset + local.first,
+                         std::move(derivatives)};
         }));
   }
   for (size_t j = 0; j < dynamics.networks().size(); ++j) {
