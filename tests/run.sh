@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Everything that a change must pass: format, the whole suite of the release
-# build, the unit tests under the sanitizers, and what runs on several threads
-# under the thread sanitizer.
+# Everything that a change must pass: format, programs, cases and figures in the
+# release build, the unit tests under the sanitizers, and what runs on several
+# threads under the thread sanitizer.
 #
 #   tests/run.sh
 #
@@ -52,7 +52,13 @@ for preset in release asan tsan; do
   if [[ $preset == tsan ]]; then
     precompile=OFF
   fi
+  # A unit test runs once: under the sanitizers, if they can judge it.
+  unit_tests=ON
+  if [[ $preset == release ]]; then
+    unit_tests=OFF
+  fi
   cmake --preset "$preset" -DPINODE_PRECOMPILE="$precompile" \
+    -DPINODE_UNIT_TESTS="$unit_tests" \
     -DPINODE_UNITY_LIBRARY=ON -DPINODE_UNITY_BATCH="$batch"
   cmake --build --preset "$preset" --parallel "$jobs"
   ctest --preset "$preset" --parallel "$jobs" || failed+=("$preset")
