@@ -141,7 +141,7 @@ class Session {
   // cannot be done.
   [[nodiscard]] bool ReadOrder(const nlohmann::ordered_json& json, Order* order,
                                std::string* error) const;
-  // Works of the folder, other than the present one, with a usable result.
+  // Works of the folder, other than the present one, with a result.
   std::vector<std::string> EarlierWorks() const;
 
   // Need no mutex.

@@ -116,7 +116,7 @@ void Session::RunJob(Order order) {
   if (kind == "check" || kind == "compare") state_.written = state.written;
   if (good) {
     if (kind == "save_case") {
-      state_.is_checked = true;
+      state_.is_checked = state.is_checked;
       state_.is_result_old = state.is_result_old;
       state_.is_damage_old = state.is_damage_old;
     } else if (kind == "check") {
@@ -130,6 +130,8 @@ void Session::RunJob(Order order) {
       state_.is_damage_old = true;
     } else if (kind == "compare") {
       state_.is_damage_old = false;
+      // The later case is now that of another work's model.
+      if (!order.earlier.empty()) state_.is_checked = false;
     }
   } else if (question.flag.empty()) {
     job_.error = folder.ForReader(error);

@@ -176,12 +176,10 @@ DamageResult NotJudged(const JudgedChange& judgement,
   return result;
 }
 
-}  // namespace
-
-bool CheckWork(const WorkFolder& folder, bool anew, WorkState* state,
+// Drafts, checks and writes the cases of a work.
+bool DraftWork(const WorkFolder& folder, WorkState* state,
                DraftQuestion* question, std::string* error) {
   *question = DraftQuestion();
-  if (anew && !TakeAsDrafted(folder, state, error)) return false;
   const DraftRequest request = RequestOf(folder, *state);
   if (request.logs.empty()) {
     *error = "there is no baseline record yet; add a file of your logger";
@@ -224,6 +222,24 @@ bool CheckWork(const WorkFolder& folder, bool anew, WorkState* state,
   return true;
 }
 
+}  // namespace
+
+bool CheckWork(const WorkFolder& folder, bool anew, WorkState* state,
+               DraftQuestion* question, std::string* error) {
+  const std::map<std::string, std::string> before = state->written;
+  if (anew && !TakeAsDrafted(folder, state, error)) return false;
+  const std::map<std::string, std::string> taken = state->written;
+  if (DraftWork(folder, state, question, error)) return true;
+  // Edited cases that were not replaced are still edited ones.
+  for (auto& [name, hash] : state->written) {
+    const auto then = before.find(name);
+    const auto now = taken.find(name);
+    if (now != taken.end() && now->second == hash) {
+      hash = then == before.end() ? "" : then->second;
+    }
+  }
+  return false;
+}
 bool SaveCaseOfWork(const WorkFolder& folder, const EditedCase& edited,
                     WorkState* state, std::string* error) {
   const std::string path =
@@ -250,9 +266,13 @@ bool SaveCaseOfWork(const WorkFolder& folder, const EditedCase& edited,
                   error)) {
     return false;
   }
-  if (!edited.is_later && edited.text != now) state->is_result_old = true;
-  if (edited.text != now) state->is_damage_old = true;
-  state->is_checked = true;
+  // Who has edited the file may have done so after the fit.
+  const bool is_other =
+      edited.text != now ||
+      HashOf(now) != state->written[fs::path(path).filename().string()];
+  if (!edited.is_later && is_other) state->is_result_old = true;
+  if (is_other) state->is_damage_old = true;
+  if (!edited.is_later) state->is_checked = true;
   return true;
 }
 
@@ -266,6 +286,29 @@ bool DraftLaterOf(const WorkFolder& earlier, const WorkFolder& folder,
     *error = "the case of " + earlier.name() +
              " has changed since its fit; fit it again there";
     return false;
+  }
+  // The later state has the model of that case, and is drafted anew.
+  std::string drafted;
+  if (!ReadBinaryFile(earlier.case_path(), &drafted, error)) return false;
+  if (HashOf(drafted) !=
+      known.written[fs::path(earlier.case_path()).filename().string()]) {
+    *error = "the case of " + earlier.name() +
+             " was edited by hand, and a later state cannot be drafted from "
+             "it. Add the later records there, or use pinode_damage with a "
+             "case of your own";
+    return false;
+  }
+  std::string edited;
+  std::error_code status;
+  const std::string path = folder.later_case_path();
+  if (fs::exists(path, status)) {
+    if (!ReadBinaryFile(path, &edited, error)) return false;
+    if (HashOf(edited) != state->written[fs::path(path).filename().string()]) {
+      Case c;
+      state->is_damage_old = true;
+      return ReadCaseDraft(edited, path, &c, error) &&
+             WriteCheck(c, CheckCase(c), folder.At(kLaterCheckFolder), error);
+    }
   }
   const auto is_later = [](const WorkFile& file) {
     return file.use == FileUse::kLater;

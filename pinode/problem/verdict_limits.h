@@ -111,6 +111,11 @@ constexpr double kFrfUnexplained = 0.1;
 // right model of that chain had 0.4 to 1, a mass off by half a per cent 1e-109,
 // damping off by a tenth 0.
 constexpr double kFrfProbability = 1e-4;
+// Fewest lines of FRFs that can tell a wrong model by its residuals. Of 25
+// wrong models of a chain with six modes in the band, up to a quarter left
+// residuals alike noise at 10 to 20 lines, and none at 24 to 60. 100 lines are
+// enough for as many lines a mode with 25 modes.
+constexpr int kFewFrfLines = 100;
 // A fit may raise the error of FRFs by this factor, because pairs with little
 // noise count more.
 constexpr double kFrfErrorGrowth = 1.05;

@@ -236,7 +236,7 @@ class Page:
         self.reach(selector, "drop", act)
 
     def pick(self, selector, *paths):
-        """What the chooser of files does when it is closed."""
+        """Picks files as the chooser of files does when it is closed."""
         self.wait(f"!!document.querySelector({json.dumps(selector)})")
         found = self.browser.send(
             "Runtime.evaluate",

@@ -189,7 +189,7 @@ class Browser:
                 if m.get("method") == "Runtime.exceptionThrown"]
 
     def console(self):
-        """What the page has written to its console, errors too, as lines."""
+        """The lines that the page has written to its console, errors too."""
         lines = []
         for message in self.messages:
             part = message.get("params", {})

@@ -65,17 +65,20 @@ bool DraftStoreyDamping(bool is_asked_for, CaseDraft* draft,
   draft->storeys_are_damped = true;
   ProblemAssessment assessment;
   bool is_read = false;
-  bool is_shown = Assess(*draft, &is_read, &assessment) &&
-                  !IsHidden(assessment, kDraftedMassDamping);
-  for (int storey = 1; storey <= draft->num_storeys(); ++storey) {
-    is_shown = is_shown && !IsHidden(assessment, DraftedDamperName(storey));
+  const bool is_assessed = Assess(*draft, &is_read, &assessment);
+  bool is_hidden = is_assessed && IsHidden(assessment, kDraftedMassDamping);
+  for (int storey = 1; is_assessed && storey <= draft->num_storeys();
+       ++storey) {
+    is_hidden = is_hidden || IsHidden(assessment, DraftedDamperName(storey));
   }
-  draft->storeys_are_damped = is_shown;
-  draft->some_damping_is_hidden = !is_shown;
-  if (is_shown || !is_asked_for) return true;
-  *error =
-      "the records do not show the damping of each storey. Give "
-      "--damping=rayleigh or --damping=modes";
+  draft->storeys_are_damped = is_assessed && !is_hidden;
+  draft->some_damping_is_hidden = is_hidden;
+  if (draft->storeys_are_damped || !is_asked_for) return true;
+  *error = is_hidden
+               ? "the records do not show the damping of each storey. Give "
+                 "--damping=rayleigh or --damping=modes"
+               : "the damping of each storey could not be assessed. Give "
+                 "--damping=rayleigh, and look at what pinode_check says";
   return false;
 }
 

@@ -15,8 +15,9 @@
 namespace pinode {
 namespace {
 
-// With noise = "relative", lines with less of the root mean square of their
-// pair count as lines with so much: zeros of an FRF have no certain value.
+// Lines with a deviation below this share of their pair's root mean square
+// count as lines with so much: zeros of an FRF have no certain value, and a
+// coherence of exactly 1 is rounding.
 constexpr double kLeastRelative = 1e-3;
 
 bool SetFrfDerivative(const std::string& quantity, FrfFileOptions* options,
@@ -39,6 +40,13 @@ std::vector<std::string> FrfNamesOf(const std::vector<std::string>& names,
   return {names[i]};
 }
 
+bool AreAlike(const Parameter& a, const Parameter& b) {
+  return a.unit == b.unit && a.value == b.value && a.lower == b.lower &&
+         a.upper == b.upper && a.prior_mean == b.prior_mean &&
+         a.prior_sigma == b.prior_sigma && a.free == b.free && a.tie == b.tie &&
+         a.tie_factor == b.tie_factor;
+}
+
 class FrfReader {
  public:
   FrfReader(const TomlTable& table, const UnitSystem& units,
@@ -51,6 +59,12 @@ class FrfReader {
       return false;
     }
     record_.name = table_.String("name", "frf " + std::to_string(number));
+    for (const FrfRecord& other : problem_.frfs) {
+      if (other.name == record_.name) {
+        return table_.Fail("name",
+                           "this name is used twice, expected different names");
+      }
+    }
     if (!ReadMeasured() || !ReadPlaces() || !ReadLines() || !ReadNoise() ||
         !ReadUnknowns()) {
       return false;
@@ -200,11 +214,12 @@ class FrfReader {
       record_.variances = measured_.variances(lines_, Eigen::all);
     } else if (noise == "relative") {
       record_.variances = record_.values.cwiseAbs2();
-      for (auto column : record_.variances.colwise()) {
-        const double mean = column.mean();
-        if (!(mean > 0.0)) continue;
-        column = (column / mean).cwiseMax(kLeastRelative * kLeastRelative);
-      }
+    }
+    // Relative to their mean: `sigma` is the noise of a mean line.
+    for (auto column : record_.variances.colwise()) {
+      const double mean = column.mean();
+      if (!(mean > 0.0)) continue;
+      column = (column / mean).cwiseMax(kLeastRelative * kLeastRelative);
     }
     if (table_.Has("sigma")) {
       const double sigma =
@@ -230,7 +245,14 @@ class FrfReader {
         all.begin(), all.end(),
         [&](const Parameter& other) { return other.name == parameter.name; });
     *index = static_cast<int>(known - all.begin());
-    if (known == all.end()) all.push_back(std::move(parameter));
+    if (known == all.end()) {
+      all.push_back(std::move(parameter));
+    } else if (!AreAlike(*known, parameter)) {
+      return table_.Fail(key, "'" + parameter.name +
+                                  "' is given twice with different values, "
+                                  "expected the same, or another name of the "
+                                  "sensor");
+    }
     return true;
   }
 

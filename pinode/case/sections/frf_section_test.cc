@@ -135,6 +135,12 @@ TEST(FrfSectionTest, MistakesAreOneLine) {
       {begin + places + "noise = \"coherence\"\n", "have no coherence"},
       {begin + places + "unit = \"m\"\n", "acceleration"},
       {begin + places + "band_hz = [5.0, 5.5]\n", "at least 10 lines"},
+      {begin + places + "name = \"a\"\n[[frf]]\nfiles = [\"h.csv\"]\n" +
+           places + "name = \"a\"\n",
+       "this name is used twice"},
+      {begin + places + "gain = {initial = 1.1}\n[[frf]]\n" +
+           "files = [\"h.csv\"]\n" + places + "gain = {initial = 1.2}\n",
+       "given twice with different values"},
       {begin + places +
            "[[element]]\nname = \"e\"\ntype = \"cubic\"\n"
            "between = [\"ground\", \"u1\"]\nparameters.k3 = 1.0\n",

@@ -393,8 +393,9 @@ CaseTable FrfKeys() {
            "Noise of the lines of one function: equal, in proportion to the "
            "function, or as the coherence says. Its level is estimated."},
           {"sigma", "number", "unit of the functions", "estimated",
-           "Standard deviation of the real and of the imaginary part, at the "
-           "root mean square of a function if the noise is `relative`."},
+           "Standard deviation of the real and of the imaginary part; its root "
+           "mean square over the lines if the noise is `relative` or "
+           "`coherence`."},
           {"gain", "unknown", "", "1", "Gain of each response."},
           {"delay", "unknown", "s", "0",
            "Time by which each response is late."},

@@ -353,7 +353,9 @@ void CheckFrfs(const FitSummary& fit, Findings* findings) {
       findings->push_back({"frfs_no_better_than_initial_model",
                            "the model does not describe frequency responses '" +
                                score.name + "' better than the initial model",
-                           score.errors.norm(), score.prior_errors.norm()});
+                           score.errors.norm(), score.prior_errors.norm(),
+                           "check units, and places and directions of hammer "
+                           "and sensors"});
     } else if (score.WorstUnexplained() > limits::kFrfUnexplained) {
       findings->push_back(
           {"frfs_not_described",
@@ -538,6 +540,7 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
     findings.back().grade = Grade::kWithCare;
   }
   for (const FrfScore& score : fit.frfs) {
+    if (score.pairs.empty()) continue;
     if (score.probability < limits::kFrfProbability) {
       findings.push_back(
           {"frf_residual_no_noise",
@@ -548,6 +551,17 @@ std::vector<Finding> CheckDoubts(const FitSummary& fit) {
            "find what the model lacks; or, if the noise is a share of each "
            "line, set noise = \"relative\"",
            Grade::kWithCare});
+    }
+    if (score.num_lines < limits::kFewFrfLines) {
+      findings.push_back({"frf_few_lines",
+                          "frequency responses '" + score.name + "' have " +
+                              std::to_string(score.num_lines) +
+                              " lines: a wrong model may look right",
+                          static_cast<double>(score.num_lines),
+                          static_cast<double>(limits::kFewFrfLines),
+                          "widen 'band_hz', lower 'stride', or measure with a "
+                          "finer resolution",
+                          Grade::kWithCare});
     }
     if (score.noise_ratios.size() > 0 &&
         score.noise_ratios.maxCoeff() > limits::kGivenNoise) {

@@ -46,6 +46,25 @@ TEST(Usable, WhatHasAllItNeeds) {
   EXPECT_TRUE(summary.usable());
 }
 
+// Residuals of few lines cannot tell a wrong model.
+TEST(Usable, FewLinesOfFrequencyResponsesAreSaid) {
+  IdentificationSummary summary = GoodSummary();
+  FrfScore score;
+  score.name = "f";
+  score.num_lines = 99;
+  score.pairs = {"u1/u1"};
+  score.errors = score.unexplained = Vector::Constant(1, 0.01);
+  score.prior_errors = score.sigma = Vector::Ones(1);
+  summary.frfs = {score};
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_TRUE(summary.usable()) << summary.message;
+  EXPECT_EQ(summary.verdict.grade(), Grade::kWithCare);
+  EXPECT_THAT(summary.message, HasSubstr("99 lines"));
+  summary.frfs[0].num_lines = 100;
+  testing::JudgeFit(GapTuning(), &summary);
+  EXPECT_EQ(summary.verdict.grade(), Grade::kGood);
+}
+
 TEST(Usable, SaysWhatIsMissing) {
   IdentificationSummary summary = GoodSummary();
   summary.records[1].finite = false;

@@ -299,6 +299,7 @@ void ReportFrfs(const Vector& initial, const Vector& free,
               : Vector(Vector::Constant(score.errors.size(), kInfinity));
     } else {
       score.probability = 0.0;
+      score.log_likelihood = -kInfinity;
     }
     summary->frfs.push_back(std::move(score));
   }

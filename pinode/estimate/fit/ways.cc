@@ -142,6 +142,7 @@ class Way {
 
   bool ok() const { return ok_; }
   bool exhausted() const { return exhausted_; }
+  bool converged() const { return ok_ && fit_->converged(); }
   int64_t Work() const { return fit_->objective().shooting().sweep().work(); }
   bool interrupted() const { return fit_->interrupted() && !exhausted_; }
   Fit& fit() { return *fit_; }
@@ -348,6 +349,11 @@ std::unique_ptr<Fit> RunFromStart(const IdentificationProblem& problem,
     outcome->way =
         std::string(kWholeRecords) + "; " + kStages + ": interrupted";
     return whole.Take(outcome);
+  }
+  // The limit of steps is not the user's.
+  if (!whole.converged() && staged.converged()) {
+    outcome->way = kStages;
+    return staged.Take(outcome);
   }
   return Better(&whole, kWholeRecords, &staged, kStages, outcome);
 }

@@ -35,7 +35,7 @@ def hardening(samples, substeps=100):
 
 
 def simulate():
-    return hardening(20000, substeps=250).simulate
+    return hardening(6000, substeps=250).simulate
 
 
 def read():
@@ -47,7 +47,7 @@ def check():
 
 
 def plan_sensors():
-    case = hardening(8000)
+    case = hardening(3000)
     return lambda: case.plan_sensors(2)
 
 
@@ -94,7 +94,7 @@ def discover():
     """Of smoothed records, with many candidates and many draws of each."""
     return study_test.oscillator(
         networks=[pinode.Network("nn", ["x[u1]", "v[u1]"], ["u1"], layers=[8])],
-        discover={"source": "derivatives", "polynomial_degree": 6, "bags": 400,
+        discover={"source": "derivatives", "polynomial_degree": 6, "bags": 100,
                   "refit": False}).discover
 
 

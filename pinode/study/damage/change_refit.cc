@@ -412,6 +412,7 @@ bool ChangeRefitter::Refit(const ChangeModel& model,
   Vector held = model.values();
   Vector before = held;
   double least = kInfinity;
+  bool halved = false;
   for (int i = 0; i < kMostRefitRounds; ++i) {
     std::map<std::string, double> found = parameters;
     ComparedCost cost;
@@ -425,7 +426,9 @@ bool ChangeRefitter::Refit(const ChangeModel& model,
     const bool hopeless = std::min(here, least) - kHopelessGains * gain >
                           kHopelessCost * cost_with_all_;
     if (!(here < least + kSettledRefit)) {
-      if (hopeless) break;
+      // A step that was too long says nothing before it is halved.
+      if (hopeless && halved) break;
+      halved = true;
       // Too long a step: half of it.
       held = 0.5 * (held + result->cost.at);
       before = 0.5 * (before + result->before);
