@@ -131,7 +131,8 @@ _OTHERS = {
     "M": "mass", "K": "stiffness", "k": "stiffness", "C": "damping", "c": "damping",
     "zeta": "damping", "frequency": "frequency_hz", "channel": "channels", "record": "records",
     "group": "groups", "element": "elements", "library": "libraries", "network": "networks",
-    "unknown_force": "unknown_forces", "mode": "modes", "min": "lower", "max": "upper",
+    "unknown_force": "unknown_forces", "mode": "modes", "frf": "frfs", "min": "lower",
+    "max": "upper",
     "num_threads": "threads", "n_jobs": "threads", "verbose": "progress",
     "reference_curve": "reference_curves",
 }

@@ -140,6 +140,7 @@ PARTS = {
     pinode.Case: (lambda made: made, dict(model=pinode.Model(**MODEL)), {
         "model": "mapping", "groups": "parts", "elements": "parts", "libraries": "parts",
         "networks": "parts", "unknown_forces": "parts", "records": "parts", "modes": "parts",
+        "frfs": "parts",
         "units": "mapping", "options": "mapping", "title": "text", "modal": "mapping",
         "damage": "mapping", "profiles": "mapping", "discover": "mapping",
         "simulate": "mapping", "plan": "mapping", "geometry": "mapping"}),

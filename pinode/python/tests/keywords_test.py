@@ -53,6 +53,7 @@ def known_to_the_library(*path):
 SAME = {"frequency_hz": "frequency", "channels": "channel", "groups": "group",
         "elements": "element", "libraries": "library", "networks": "network",
         "unknown_forces": "unknown_force", "records": "record", "modes": "mode",
+        "frfs": "frf",
         "reference_curves": "reference_curve"}
 WITHOUT = {"fs", "step", "values"}
 
