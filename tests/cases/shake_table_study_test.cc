@@ -1,5 +1,4 @@
-// The frame on a shake table: fits of minutes, the stiff frame and the elements
-// of both.
+// The frame on a shake table: fits of minutes, linear and with elements.
 
 #include "gtest/gtest.h"
 #include "tests/cases/shake_table_testing.h"
@@ -14,6 +13,14 @@ TEST_F(ShakeTable, StiffFrameLinear) {
   const std::string what = "case 5, stiff, linear";
   ExpectFrequencies(run, what, {7.75, 24.8, 39.4}, {8.05, 25.3, 40.0});
   ExpectNrmseBesideOtherFit(run, what, {0.4282, 0.4086, 0.4140});
+}
+
+TEST_F(ShakeTable, FlexibleFrameLinear) {
+  const CaseRun run = RunFrame(kFlexible, false);
+  EXPECT_TRUE(run.summary.usable()) << run.summary.message;
+  const std::string what = "case 5, flexible, linear";
+  ExpectFrequencies(run, what, {3.65, 11.0, 16.4}, {3.80, 11.3, 16.8});
+  ExpectNrmseBesideOtherFit(run, what, {0.2735, 0.2272, 0.2348});
 }
 
 TEST_F(ShakeTable, StiffFrameWithElements) {

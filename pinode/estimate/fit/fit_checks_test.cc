@@ -47,22 +47,20 @@ TEST(Usable, WhatHasAllItNeeds) {
 }
 
 // Residuals of few lines cannot tell a wrong model.
-TEST(Usable, FewLinesOfFrequencyResponsesAreSaid) {
-  IdentificationSummary summary = GoodSummary();
+TEST(CheckDoubts, FewLinesOfFrequencyResponses) {
+  FitSummary summary;
   FrfScore score;
   score.name = "f";
   score.num_lines = 99;
   score.pairs = {"u1/u1"};
-  score.errors = score.unexplained = Vector::Constant(1, 0.01);
-  score.prior_errors = score.sigma = Vector::Ones(1);
   summary.frfs = {score};
-  testing::JudgeFit(GapTuning(), &summary);
-  EXPECT_TRUE(summary.usable()) << summary.message;
-  EXPECT_EQ(summary.verdict.grade(), Grade::kWithCare);
-  EXPECT_THAT(summary.message, HasSubstr("99 lines"));
+  const std::vector<Finding> findings = CheckDoubts(summary);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "frf_few_lines");
+  EXPECT_EQ(findings[0].grade, Grade::kWithCare);
+  EXPECT_THAT(findings[0].what, HasSubstr("99 lines"));
   summary.frfs[0].num_lines = 100;
-  testing::JudgeFit(GapTuning(), &summary);
-  EXPECT_EQ(summary.verdict.grade(), Grade::kGood);
+  EXPECT_TRUE(CheckDoubts(summary).empty());
 }
 
 TEST(Usable, SaysWhatIsMissing) {
