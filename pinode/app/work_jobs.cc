@@ -287,6 +287,21 @@ bool DraftLaterOf(const WorkFolder& earlier, const WorkFolder& folder,
              " has changed since its fit; fit it again there";
     return false;
   }
+  const auto is_later = [](const WorkFile& file) {
+    return file.use == FileUse::kLater;
+  };
+  known.files.erase(
+      std::remove_if(known.files.begin(), known.files.end(), is_later),
+      known.files.end());
+  DraftRequest request = RequestOf(earlier, known);
+  request.later_logs = RequestOf(folder, *state).later_logs;
+  request.later_case_path = folder.later_case_path();
+  if (request.logs.empty() || request.later_logs.empty()) {
+    *error = request.logs.empty()
+                 ? earlier.name() + " has no records to compare with"
+                 : "there is no record of a later state; add one";
+    return false;
+  }
   // The later state has the model of that case, and is drafted anew.
   std::string drafted;
   if (!ReadBinaryFile(earlier.case_path(), &drafted, error)) return false;
@@ -309,21 +324,6 @@ bool DraftLaterOf(const WorkFolder& earlier, const WorkFolder& folder,
       return ReadCaseDraft(edited, path, &c, error) &&
              WriteCheck(c, CheckCase(c), folder.At(kLaterCheckFolder), error);
     }
-  }
-  const auto is_later = [](const WorkFile& file) {
-    return file.use == FileUse::kLater;
-  };
-  known.files.erase(
-      std::remove_if(known.files.begin(), known.files.end(), is_later),
-      known.files.end());
-  DraftRequest request = RequestOf(earlier, known);
-  request.later_logs = RequestOf(folder, *state).later_logs;
-  request.later_case_path = folder.later_case_path();
-  if (request.logs.empty() || request.later_logs.empty()) {
-    *error = request.logs.empty()
-                 ? earlier.name() + " has no records to compare with"
-                 : "there is no record of a later state; add one";
-    return false;
   }
   std::vector<CaseDraft> drafts;
   if (!DraftCases(request, &drafts, question, error)) return false;
