@@ -137,6 +137,26 @@ bool ClockIsConsistent(const std::vector<Suspect>& suspects,
   return true;
 }
 
+// True if a mass or stiffness has become so many times as large that the same
+// of a group would be a finding: it stands for something else. A sensor turned
+// in an ambient record, whose fit had lost itself, gave masses of 9 and 18
+// times.
+bool IsOutOfSize(const std::vector<Suspect>& suspects, const FitSummary& fit) {
+  for (const Suspect& suspect : suspects) {
+    if (suspect.kind != Suspect::Kind::kMass &&
+        suspect.kind != Suspect::Kind::kStiffness) {
+      continue;
+    }
+    for (const std::string& unknown : suspect.Unknowns()) {
+      const ParameterEstimate* estimate = FindEstimate(fit, unknown);
+      if (estimate != nullptr && 1.0 + estimate->value > limits::kGroupSize) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 double SquaredError(const FitSummary& fit) {
@@ -390,7 +410,9 @@ bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
     return false;
   }
   if (refit.fit.termination == Termination::kFailure) return false;
-  if (!ClockIsConsistent(added, refit.fit)) return false;
+  if (!ClockIsConsistent(added, refit.fit) || IsOutOfSize(added, refit.fit)) {
+    return false;
+  }
   refit.log_odds = LogOdds(refit);
   if (!std::isfinite(refit.log_odds)) return false;
   refits_.push_back(std::move(refit));
