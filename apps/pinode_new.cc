@@ -356,7 +356,8 @@ int RunProgram(int argc, char** argv) {
           argc, argv,
           "pinode_new LOG... --storeys=N --weights=WEIGHTS [--later=FILE,...]\n"
           "  or:  pinode_new LOG... --deck=FILE --deck_units=UNITS "
-          "[--case=FILE]\n\n"
+          "[--case=FILE]\n"
+          "       [--output_dir=FOLDER]\n\n"
           "Drafts a case from the files of data loggers, and asks on a "
           "terminal for missing answers. The structure is a frame of "
           "storeys with sensors at its base and floors, or a "
