@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "pinode/base/logging.h"
 
@@ -36,8 +37,9 @@ class Iteration {
     basis_.resize(n_, room_);
     projected_ = Matrix::Zero(room_, room_);
     Matrix rest = RandomBlock();
+    Project(&rest);
     while (true) {
-      const Eigen::Index width = Append(rest);
+      const Eigen::Index width = Append(std::move(rest));
       if (width == 0) break;  // the operator leads nowhere else
       rest = apply_(basis_.middleCols(used_ - width, width));
       ++pairs.steps;
@@ -65,31 +67,31 @@ class Iteration {
     return apply_(block);
   }
 
-  // Takes the parts along `found` and the basis from a block. Returns the parts
-  // along the basis.
-  Matrix Project(Matrix* block) const {
-    Matrix along = Matrix::Zero(used_, block->cols());
-    // Twice is enough (W. Kahan, in B. N. Parlett, The Symmetric Eigenvalue
-    // Problem, SIAM 1998, section 6.9).
-    for (int pass = 0; pass < 2; ++pass) {
-      if (found_.cols() > 0) {
-        const Matrix part = found_.transpose() * *block;
-        block->noalias() -= found_ * part;
-      }
-      if (used_ == 0) continue;
-      const Matrix part = basis_.leftCols(used_).transpose() * *block;
-      block->noalias() -= basis_.leftCols(used_) * part;
-      along += part;
+  // Takes the parts along `found` and the basis from a block once. Returns the
+  // parts along the basis.
+  Matrix ProjectOnce(Matrix* block) const {
+    if (found_.cols() > 0) {
+      const Matrix part = found_.transpose() * *block;
+      block->noalias() -= found_ * part;
     }
+    if (used_ == 0) return Matrix(0, block->cols());
+    Matrix along = basis_.leftCols(used_).transpose() * *block;
+    block->noalias() -= basis_.leftCols(used_) * along;
     return along;
   }
 
-  // Appends the directions of `block` to the basis that are not yet in it.
-  // Returns their number.
-  Eigen::Index Append(const Matrix& block) {
-    Matrix columns = block;
+  // Takes these parts from a block beyond rounding. Twice is enough (W. Kahan,
+  // in B. N. Parlett, The Symmetric Eigenvalue Problem, SIAM 1998,
+  // section 6.9).
+  Matrix Project(Matrix* block) const {
+    const Matrix along = ProjectOnce(block);
+    return along + ProjectOnce(block);
+  }
+
+  // Appends the directions of `columns`, which Project has passed, to the
+  // basis. Returns their number.
+  Eigen::Index Append(Matrix columns) {
     const Vector size = columns.colwise().norm();
-    Project(&columns);
     Eigen::Index width = 0;
     for (Eigen::Index j = 0; j < columns.cols(); ++j) {
       for (int pass = 0; pass < 2; ++pass) {
@@ -104,8 +106,8 @@ class Iteration {
     }
     columns.conservativeResize(Eigen::NoChange, width);
     if (width == 0) return 0;
-    // A short column has kept rounding errors along the basis.
-    Project(&columns);
+    // A column that was short has kept rounding errors along the basis.
+    ProjectOnce(&columns);
     for (Eigen::Index j = 0; j < width; ++j) {
       const Vector part = columns.leftCols(j).transpose() * columns.col(j);
       columns.col(j) -= columns.leftCols(j) * part;

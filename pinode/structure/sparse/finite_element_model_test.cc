@@ -93,6 +93,32 @@ TEST(FiniteElementModel, RefusesIndefiniteMass) {
   EXPECT_THAT(ErrorOf(model), HasSubstr("beside a zero diagonal at 3.1"));
 }
 
+// The square of a matrix with 1 on its diagonal and 0.3 beside it. Its rows are
+// not dominant, and its eigenvalues lie between 0.16 and 2.56.
+TEST(FiniteElementModel, LargeMassesThatAreNotDominant) {
+  const int n = 3000;
+  SparseMatrix root(n, n);
+  for (int i = 0; i < n; ++i) {
+    root.insert(i, i) = 1.0;
+    if (i > 0) root.insert(i, i - 1) = 0.3;
+    if (i + 1 < n) root.insert(i, i + 1) = 0.3;
+  }
+  FiniteElementModel model;
+  model.dof_names = DefaultDofNames(n);
+  model.mass = root * root;
+  model.stiffness = model.mass;
+  std::string error;
+  EXPECT_TRUE(model.IsValid(&error)) << error;
+  SparseMatrix unit(n, n);
+  unit.setIdentity();
+  model.mass -= 0.17 * unit;
+  EXPECT_THAT(ErrorOf(model), HasSubstr("negative kinetic energy"));
+  // One motion alone: two masses that share more than they have.
+  model.mass = model.stiffness;
+  model.mass.coeffRef(1000, 1001) = model.mass.coeffRef(1001, 1000) = 1.3;
+  EXPECT_THAT(ErrorOf(model), HasSubstr("negative kinetic energy"));
+}
+
 TEST(FiniteElementModel, RefusesDofsThatNothingDetermines) {
   FiniteElementModel model = ThreeDofs();
   model.dof_names.push_back("4.1");

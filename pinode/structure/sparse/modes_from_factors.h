@@ -11,13 +11,16 @@
 
 namespace pinode {
 
-// Does what ComputeLowestModes does, with `factors` of the positive definite K
-// itself, which would take the most time otherwise.
-[[nodiscard]] bool ModesFromFactors(std::unique_ptr<ShiftedFactors> factors,
-                                    const SparseMatrix& mass,
+// Does what ComputeLowestModes does with the DOFs `held` standing still: their
+// rows of the shapes are zero. *factors are those of the positive definite K
+// itself, or nullptr, but not with held DOFs. After success they are the
+// factors of K if that is positive definite, otherwise nullptr: the factors
+// take most of the time, and several questions can be asked of them.
+[[nodiscard]] bool ModesFromFactors(const SparseMatrix& mass,
                                     const SparseMatrix& stiffness,
-                                    int num_modes, SparseModes* modes,
-                                    std::string* error);
+                                    const std::vector<int>& held, int num_modes,
+                                    std::unique_ptr<ShiftedFactors>* factors,
+                                    SparseModes* modes, std::string* error);
 
 }  // namespace pinode
 

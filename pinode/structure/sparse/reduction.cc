@@ -16,6 +16,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/structure/model/symmetric.h"
+#include "pinode/structure/sparse/constraint_basis.h"
 #include "pinode/structure/sparse/modes_from_factors.h"
 #include "pinode/structure/sparse/rigid_body.h"
 #include "pinode/structure/sparse/shifted_factors.h"
@@ -29,12 +30,6 @@ namespace {
 constexpr double kSmallestObservability = 1e-6;
 // Share of the largest entry below which the entries of a shape are rounding.
 constexpr double kRoundingOfShapes = 1e-10;
-
-// Positions of the kept DOFs, and of all others in ascending order.
-struct Partition {
-  std::vector<int> kept;
-  std::vector<int> others;
-};
 
 bool FindKept(const FiniteElementModel& model,
               const std::vector<std::string>& names, Partition* partition,
@@ -64,58 +59,6 @@ bool FindKept(const FiniteElementModel& model,
   return true;
 }
 
-// Returns the rows and columns of the other DOFs. *coupling receives the
-// columns of the kept DOFs in the others' rows.
-SparseMatrix OthersBlock(const SparseMatrix& matrix, const Partition& partition,
-                         Matrix* coupling) {
-  std::vector<int> kept_place(static_cast<size_t>(matrix.rows()), -1);
-  std::vector<int> other_place(static_cast<size_t>(matrix.rows()), -1);
-  for (size_t i = 0; i < partition.kept.size(); ++i) {
-    kept_place[static_cast<size_t>(partition.kept[i])] = static_cast<int>(i);
-  }
-  for (size_t i = 0; i < partition.others.size(); ++i) {
-    other_place[static_cast<size_t>(partition.others[i])] = static_cast<int>(i);
-  }
-  const auto size = static_cast<Eigen::Index>(partition.others.size());
-  *coupling =
-      Matrix::Zero(size, static_cast<Eigen::Index>(partition.kept.size()));
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index j = 0; j < matrix.outerSize(); ++j) {
-    for (SparseMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
-      const int row = other_place[static_cast<size_t>(entry.row())];
-      if (row < 0) continue;
-      const int column = other_place[static_cast<size_t>(j)];
-      if (column >= 0) {
-        entries.emplace_back(row, column, entry.value());
-      } else {
-        (*coupling)(row, kept_place[static_cast<size_t>(j)]) += entry.value();
-      }
-    }
-  }
-  SparseMatrix block(size, size);
-  block.setFromTriplets(entries.begin(), entries.end());
-  return block;
-}
-
-// Returns a DOF that moves if a matrix is not positive definite: the one that
-// yields most to forces. A small amount is added to the diagonal first, so that
-// the factors exist.
-int LooseDof(const SparseMatrix& stiffness) {
-  SparseMatrix little(stiffness.rows(), stiffness.rows());
-  little.setIdentity();
-  Matrix force(stiffness.rows(), 1);
-  for (Eigen::Index i = 0; i < stiffness.rows(); ++i) {
-    const double own = std::abs(stiffness.coeff(i, i));
-    if (own > 0.0) little.coeffRef(i, i) = own;
-    force(i, 0) = std::sin(1.0 + static_cast<double>(i));
-  }
-  ShiftedFactors factors;
-  if (!factors.Factorise(little, stiffness, -1e-10)) return 0;
-  Eigen::Index loosest = 0;
-  factors.Solve(force).col(0).cwiseAbs().maxCoeff(&loosest);
-  return static_cast<int>(loosest);
-}
-
 // Checks that the kept DOFs prevent the rigid-body modes. Otherwise the others
 // could not follow them.
 bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
@@ -135,62 +78,6 @@ bool HoldRigidBody(const FiniteElementModel& model, const Partition& partition,
            " of them; keep DOFs that hold all, such as " + Join(names, ", ") +
            " beside those kept";
   return false;
-}
-
-// Computes T of Guyan, followed by `num_modes` columns of modes of the other
-// DOFs.
-bool ConstraintBasis(const FiniteElementModel& model,
-                     const Partition& partition, int num_modes, Matrix* basis,
-                     std::string* error) {
-  const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
-  const auto num_others = static_cast<Eigen::Index>(partition.others.size());
-  *basis = Matrix::Zero(model.num_dofs(), num_kept + num_modes);
-  for (Eigen::Index i = 0; i < num_kept; ++i) {
-    (*basis)(partition.kept[static_cast<size_t>(i)], i) = 1.0;
-  }
-  if (num_others == 0) return true;
-  Matrix coupling;
-  Matrix unused;
-  const SparseMatrix stiffness =
-      OthersBlock(model.stiffness, partition, &coupling);
-  const SparseMatrix mass = OthersBlock(model.mass, partition, &unused);
-  Matrix followers(num_others, num_kept + num_modes);
-  SparseModes held;
-  {
-    auto factors = std::make_unique<ShiftedFactors>();
-    if (!factors->FactoriseDefinite(mass, stiffness, 0.0)) {
-      const int loose = LooseDof(stiffness);
-      *error =
-          "with the kept DOFs held, the others can still move without "
-          "stiffness or against a negative one (" +
-          model.dof_names[static_cast<size_t>(
-              partition.others[static_cast<size_t>(loose)])] +
-          " takes part); keep more of them";
-      return false;
-    }
-    // The second solution takes the rounding of the first away, which would
-    // couple rigid-body motions with the others.
-    Matrix followed = -factors->Solve(coupling);
-    followed -= factors->Solve(stiffness * followed + coupling);
-    followers.leftCols(num_kept) = followed;
-    if (num_modes > 0 && !ModesFromFactors(std::move(factors), mass, stiffness,
-                                           num_modes, &held, error)) {
-      return false;
-    }
-  }
-  if (num_modes > 0) {
-    if (held.eigenvalues.size() < num_modes) {
-      *error = std::to_string(num_modes) +
-               " modes with the kept DOFs held are asked for, and there are " +
-               std::to_string(held.eigenvalues.size());
-      return false;
-    }
-    followers.rightCols(num_modes) = held.mode_shapes;
-  }
-  for (Eigen::Index i = 0; i < num_others; ++i) {
-    basis->row(partition.others[static_cast<size_t>(i)]) = followers.row(i);
-  }
-  return true;
 }
 
 // Computes W of SEREP and modal truncation: modes to coordinates. Its first
@@ -416,11 +303,14 @@ std::string ModePrefix(const ReductionOptions& options) {
   return prefix;
 }
 
-// Computes at least `needed` modes, and the first elastic one.
+// Computes at least `needed` modes, and the first elastic one. *factors are
+// those of K if it is positive definite, otherwise nullptr.
 bool ModesOfWhole(const FiniteElementModel& model, int needed,
-                  SparseModes* whole, std::string* error) {
+                  std::unique_ptr<ShiftedFactors>* factors, SparseModes* whole,
+                  std::string* error) {
   for (int count = std::min(needed, model.num_dofs());;) {
-    if (!ComputeLowestModes(model.mass, model.stiffness, count, whole, error)) {
+    if (!ModesFromFactors(model.mass, model.stiffness, {}, count, factors,
+                          whole, error)) {
       return false;
     }
     const auto found = static_cast<int>(whole->eigenvalues.size());
@@ -436,10 +326,12 @@ bool ModesOfWhole(const FiniteElementModel& model, int needed,
 // modes in it.
 bool ReduceByConstraints(const FiniteElementModel& model,
                          const Partition& partition, int num_modes,
+                         std::unique_ptr<ShiftedFactors> factors,
                          ReducedModel* reduced, std::string* error) {
   const Matrix rigid_shapes = RigidBodyShapes(reduced->whole_modes);
   if (!HoldRigidBody(model, partition, rigid_shapes, error) ||
-      !ConstraintBasis(model, partition, num_modes, &reduced->basis, error)) {
+      !ConstraintBasis(model, partition, num_modes, std::move(factors),
+                       &reduced->basis, error)) {
     return false;
   }
   // In a rigid-body motion the others follow the kept DOFs, so no mode of
@@ -472,14 +364,17 @@ bool Reduce(const FiniteElementModel& model, const ReductionOptions& options,
       options.method == ReductionMethod::kSerep ? num_kept : options.num_modes;
   const int needed =
       std::max(options.num_compared_modes, modal ? num_modes : 0);
-  if (!ModesOfWhole(model, needed, &result.whole_modes, error)) return false;
-  result.coordinate_names = options.kept_dofs;
-  result.kept_dofs = partition.kept;
-  if (modal
-          ? !ModalBasis(partition, num_modes, &result, error)
-          : !ReduceByConstraints(model, partition, num_modes, &result, error)) {
+  std::unique_ptr<ShiftedFactors> factors;
+  if (!ModesOfWhole(model, needed, &factors, &result.whole_modes, error)) {
     return false;
   }
+  result.coordinate_names = options.kept_dofs;
+  result.kept_dofs = partition.kept;
+  const bool done =
+      modal ? ModalBasis(partition, num_modes, &result, error)
+            : ReduceByConstraints(model, partition, num_modes,
+                                  std::move(factors), &result, error);
+  if (!done) return false;
   const std::string prefix = ModePrefix(options);
   for (int i = 1; num_kept + i <= result.basis.cols(); ++i) {
     result.coordinate_names.push_back(prefix + std::to_string(i));

@@ -41,17 +41,15 @@ SparseMatrix ShiftedFactors::ScaledMatrix(const SparseMatrix& mass,
 bool ShiftedFactors::FactoriseDefinite(const SparseMatrix& mass,
                                        const SparseMatrix& stiffness,
                                        double shift) {
-  const SparseMatrix scaled = ScaledMatrix(mass, stiffness, shift);
-  factor_ = MakeDefiniteFactor(scaled.rows());
-  return factor_->Factorise(scaled) &&
+  factor_ = MakeDefiniteFactor(stiffness.rows());
+  return factor_->Factorise(ScaledMatrix(mass, stiffness, shift)) &&
          factor_->pivots().minCoeff() > kSmallestPivot;
 }
 
 bool ShiftedFactors::Factorise(const SparseMatrix& mass,
                                const SparseMatrix& stiffness, double shift) {
-  const SparseMatrix scaled = ScaledMatrix(mass, stiffness, shift);
   factor_ = MakeSimplicialFactor();
-  return factor_->Factorise(scaled);
+  return factor_->Factorise(ScaledMatrix(mass, stiffness, shift));
 }
 
 double ShiftedFactors::SolveError(const SparseMatrix& mass,

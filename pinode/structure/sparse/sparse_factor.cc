@@ -66,7 +66,7 @@ struct FillReducingOrdering {
 
 class SimplicialFactor : public SparseFactor {
  public:
-  bool Factorise(const SparseMatrix& symmetric) override {
+  bool Factorise(SparseMatrix symmetric) override {
     solver_.compute(symmetric);
     if (solver_.info() != Eigen::Success) return false;
     pivots_ = solver_.vectorD();

@@ -18,7 +18,8 @@ class SparseFactor {
 
   // Computes the factors. Returns false if there are none; then only WeakestDof
   // may be called. Throws std::bad_alloc if the memory does not suffice.
-  [[nodiscard]] virtual bool Factorise(const SparseMatrix& symmetric) = 0;
+  // The matrix is freed as soon as it is not needed any more.
+  [[nodiscard]] virtual bool Factorise(SparseMatrix symmetric) = 0;
 
   // Returns the diagonal of D.
   const Vector& pivots() const { return pivots_; }

@@ -13,6 +13,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/sparse/block_lanczos.h"
+#include "pinode/structure/sparse/inverse_operator.h"
 #include "pinode/structure/sparse/modes_from_factors.h"
 #include "pinode/structure/sparse/shifted_factors.h"
 
@@ -44,27 +45,6 @@ constexpr int kLargestDense = 4000;
 // Share of the cancelling parts below which a stiffness depends on the last
 // digits of a file.
 constexpr double kLastDigits = 1e-9;
-
-// The inverse operator. With K - shift M = F F' positive definite, H = F^-1 M
-// F^-T is symmetric and positive semidefinite with eigenvalues 1 / (w^2 -
-// shift). Those of massless motions are zero. Unlike the usual (K - shift M)^-1
-// M it needs no M-inner product, which would be a seminorm for a singular M.
-class InverseOperator {
- public:
-  InverseOperator(const ShiftedFactors& factors, const SparseMatrix& mass)
-      : factors_(factors), mass_(mass) {}
-
-  Eigen::Index rows() const { return mass_.rows(); }
-
-  // Applies it to each column of `y`.
-  Matrix Apply(const Matrix& y) const {
-    return factors_.FromForce(mass_ * factors_.ToShape(y));
-  }
-
- private:
-  const ShiftedFactors& factors_;
-  const SparseMatrix& mass_;
-};
 
 // Eigenpairs of the inverse operator, theta descending (w^2 ascending).
 struct InversePairs {
@@ -136,21 +116,25 @@ LargestEigenpairs FurtherPairs(const InverseOperator& inverse,
 // The computation with all its data.
 class LowestModes {
  public:
+  // `factors`: those of the positive definite K, or nullptr.
   LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
-              int num_modes, std::unique_ptr<ShiftedFactors> factors)
+              const std::vector<int>& held, int num_modes,
+              std::unique_ptr<ShiftedFactors> factors)
       : mass_(mass),
         stiffness_(stiffness),
-        magnitude_(stiffness.cwiseAbs()),
+        held_(held),
         num_modes_(num_modes),
         factors_(std::move(factors)) {}
 
   bool Compute(SparseModes* modes, std::string* error) {
     const int n = static_cast<int>(mass_.rows());
-    const Vector mass_diagonal = mass_.diagonal();
+    Vector mass_diagonal = mass_.diagonal();
+    for (const int dof : held_) mass_diagonal[dof] = 0.0;
     const int with_mass =
         static_cast<int>((mass_diagonal.array() > 0.0).count());
     if (with_mass == 0) {
-      *error = "the mass matrix is zero, expected some mass";
+      *error = held_.empty() ? "the mass matrix is zero, expected some mass"
+                             : "no DOF with mass is left to move, expected one";
       return false;
     }
     dense_ = n <= kAlwaysDense || 4 * num_modes_ > with_mass;
@@ -162,9 +146,16 @@ class LowestModes {
                std::to_string(kLargestDense) + " DOFs";
       return false;
     }
-    if (!ChooseShift(error) || !Search(error)) return false;
+    if (!ChooseShift(error)) return false;
+    FindHeldDirections();
+    if (!Search(error)) return false;
     Finish(modes);
     return true;
+  }
+
+  // The factors of the positive definite K; nullptr if K is not.
+  std::unique_ptr<ShiftedFactors> TakeFactors() {
+    return shift_ == 0.0 ? std::move(factors_) : nullptr;
   }
 
  private:
@@ -174,8 +165,34 @@ class LowestModes {
 
   // Returns the parts that cancel in phi' K phi.
   double Parts(const Vector& shape) const {
-    const Vector size = shape.cwiseAbs();
-    return size.dot(magnitude_ * size);
+    double parts = 0.0;
+    for (Eigen::Index j = 0; j < stiffness_.outerSize(); ++j) {
+      double column = 0.0;
+      for (SparseMatrix::InnerIterator entry(stiffness_, j); entry; ++entry) {
+        column += std::abs(entry.value() * shape[entry.row()]);
+      }
+      parts += column * std::abs(shape[j]);
+    }
+    return parts;
+  }
+
+  // Unit forces on the held DOFs, n x held DOFs.
+  Matrix ForcesOnHeld() const {
+    Matrix forces =
+        Matrix::Zero(mass_.rows(), static_cast<Eigen::Index>(held_.size()));
+    for (size_t i = 0; i < held_.size(); ++i) {
+      forces(held_[i], static_cast<Eigen::Index>(i)) = 1.0;
+    }
+    return forces;
+  }
+
+  void FindHeldDirections() {
+    held_directions_.resize(mass_.rows(), 0);
+    if (held_.empty()) return;
+    const Eigen::HouseholderQR<Matrix> qr(factors_->FromForce(ForcesOnHeld()));
+    held_directions_ =
+        qr.householderQ() *
+        Matrix::Identity(mass_.rows(), static_cast<Eigen::Index>(held_.size()));
   }
 
   // Returns the rounding error of eigenvalue i, whose shape has phi' M phi = 1.
@@ -251,7 +268,7 @@ class LowestModes {
     Matrix basis = none;
     int wanted = num_modes_ + 2;
     for (int round = 0; round < 12; ++round) {
-      const InverseOperator inverse(*factors_, mass_);
+      const InverseOperator inverse(*factors_, mass_, held_directions_);
       if (dense_) {
         if (!DenseInversePairs(inverse, &basis, error)) return false;
         if (basis.cols() > wanted) basis = Matrix(basis.rightCols(wanted));
@@ -285,8 +302,6 @@ class LowestModes {
         if (dense_) break;
         continue;  // those not converged, or still missing
       }
-      // The factors of the count may overwrite those of the modes.
-      ExpandShapes();
       const CountResult result = CheckCount(complete);
       if (result == CountResult::kComplete) return true;
       if (result == CountResult::kCannotCount) {
@@ -298,10 +313,6 @@ class LowestModes {
       wanted = static_cast<int>(basis.cols()) + 4;
       if (dense_ && complete) {
         *error = "modes are missing that the dense solver should have found";
-        return false;
-      }
-      if (!IsDefinite(shift_)) {
-        *error = "the factors of K - shift M could not be repeated";
         return false;
       }
     }
@@ -322,15 +333,6 @@ class LowestModes {
     pairs_.theta.conservativeResize(good);
     pairs_.vectors.conservativeResize(Eigen::NoChange, good);
     error_bounds_.conservativeResize(good);
-  }
-
-  void ExpandShapes() {
-    const Eigen::Index count =
-        std::min<Eigen::Index>(num_modes_, pairs_.theta.size());
-    shapes_.resize(mass_.rows(), count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      shapes_.col(i) = factors_->ToShape(pairs_.vectors.col(i));
-    }
   }
 
   enum class CountResult { kComplete, kMissing, kCannotCount };
@@ -356,25 +358,42 @@ class LowestModes {
       if (factors_->Operations() > kMostOperationsOfCount) {
         return SearchMissed(1.0 / (0.5 * (low + high) - shift_));
       }
-      // Only one set of factors of a large model is kept at a time.
-      factors_ = std::make_unique<ShiftedFactors>();
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
-        const double bound = low + part * (high - low);
-        if (!factors_->Factorise(mass_, stiffness_, bound) ||
-            !(factors_->SolveError(mass_, stiffness_, bound) < 1e-6)) {
-          continue;
-        }
-        return factors_->NumNegative() == below ? CountResult::kComplete
-                                                : CountResult::kMissing;
+        Eigen::Index count = 0;
+        if (!CountBelow(low + part * (high - low), &count)) continue;
+        return count == below ? CountResult::kComplete : CountResult::kMissing;
       }
       return CountResult::kCannotCount;
     }
     return CountResult::kMissing;  // all that was found is one cluster
   }
 
+  // Counts the eigenvalues below `bound` by the inertia of K - bound M. Returns
+  // false if its factors are of no use. With DOFs held there are as many as the
+  // matrix bordered by their unit forces e has negative eigenvalues, less the
+  // number of these DOFs; the border adds the positive eigenvalues of
+  // e' (K - bound M)^-1 e (E. Haynsworth, Determination of the inertia of a
+  // partitioned Hermitian matrix, Linear Algebra and its Applications 1, 1968).
+  bool CountBelow(double bound, Eigen::Index* count) const {
+    ShiftedFactors factors;
+    if (!factors.Factorise(mass_, stiffness_, bound) ||
+        !(factors.SolveError(mass_, stiffness_, bound) < 1e-6)) {
+      return false;
+    }
+    *count = factors.NumNegative();
+    if (held_.empty()) return true;
+    const Matrix forces = ForcesOnHeld();
+    const Matrix flexibility = forces.transpose() * factors.Solve(forces);
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(
+        0.5 * (flexibility + flexibility.transpose()), Eigen::EigenvaluesOnly);
+    *count += (solver.eigenvalues().array() > 0.0).count() -
+              static_cast<Eigen::Index>(held_.size());
+    return true;
+  }
+
   // Searches for a theta above `bound` beside the pairs that were found.
   CountResult SearchMissed(double bound) const {
-    const InverseOperator inverse(*factors_, mass_);
+    const InverseOperator inverse(*factors_, mass_, held_directions_);
     const LargestEigenpairs rest = FurtherPairs(
         inverse, pairs_.vectors, 1, kToleranceOfSearch, kSeedOfSearch);
     if (rest.values.size() == 0) return CountResult::kComplete;
@@ -399,7 +418,8 @@ class LowestModes {
     result.error_bounds = error_bounds_.head(count);
     int on_last_digits = 0;
     for (int i = 0; i < count; ++i) {
-      Vector shape = shapes_.col(i);
+      Vector shape = factors_->ToShape(pairs_.vectors.col(i));
+      for (const int dof : held_) shape[dof] = 0.0;
       shape /= std::sqrt(shape.dot(mass_ * shape));
       Eigen::Index largest = 0;
       shape.cwiseAbs().maxCoeff(&largest);
@@ -438,14 +458,14 @@ class LowestModes {
 
   const SparseMatrix& mass_;
   const SparseMatrix& stiffness_;
-  const SparseMatrix magnitude_;  // |K|
+  const std::vector<int>& held_;
   const int num_modes_;
   bool dense_ = false;
   double shift_ = 0.0;
   double unit_ = 1.0;
   std::unique_ptr<ShiftedFactors> factors_;
+  Matrix held_directions_;  // n x held DOFs, see InverseOperator
   InversePairs pairs_;
-  Matrix shapes_;  // of the modes asked for, not normalised
   Vector error_bounds_;
 };
 
@@ -453,12 +473,17 @@ class LowestModes {
 
 bool ComputeLowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
                         int num_modes, SparseModes* modes, std::string* error) {
-  return ModesFromFactors(nullptr, mass, stiffness, num_modes, modes, error);
+  std::unique_ptr<ShiftedFactors> factors;
+  return ModesFromFactors(mass, stiffness, {}, num_modes, &factors, modes,
+                          error);
 }
 
-bool ModesFromFactors(std::unique_ptr<ShiftedFactors> factors,
-                      const SparseMatrix& mass, const SparseMatrix& stiffness,
-                      int num_modes, SparseModes* modes, std::string* error) {
+bool ModesFromFactors(const SparseMatrix& mass, const SparseMatrix& stiffness,
+                      const std::vector<int>& held, int num_modes,
+                      std::unique_ptr<ShiftedFactors>* factors,
+                      SparseModes* modes, std::string* error) {
+  CHECK(held.empty() || *factors != nullptr)
+      << "held DOFs need factors of K itself";
   CHECK(modes != nullptr);
   CHECK(error != nullptr);
   CHECK_GT(num_modes, 0) << "ask for at least one mode";
@@ -471,8 +496,10 @@ bool ModesFromFactors(std::unique_ptr<ShiftedFactors> factors,
   bool success = false;
   // The factorisation throws if memory runs out.
   try {
-    LowestModes computation(mass, stiffness, num_modes, std::move(factors));
+    LowestModes computation(mass, stiffness, held, num_modes,
+                            std::move(*factors));
     success = computation.Compute(modes, error);
+    *factors = computation.TakeFactors();
   } catch (const std::exception& problem) {
     *error = problem.what();
   }

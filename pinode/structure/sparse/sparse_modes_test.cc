@@ -1,12 +1,17 @@
 #include "pinode/structure/sparse/sparse_modes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/structure/model/modal_analysis.h"
+#include "pinode/structure/sparse/modes_from_factors.h"
+#include "pinode/structure/sparse/shifted_factors.h"
 
 namespace pinode {
 namespace {
@@ -183,6 +188,57 @@ TEST(ComputeLowestModes, MissesNoneOfAClusterThatIsCutByTheCount) {
     ExpectEigenvalues(modes, expected, 1e-9);
     ExpectModesSolveTheProblem(mass, stiffness, modes);
   }
+}
+
+// A chain that is held within is two: one held at both ends, the other at its
+// first mass. 500 masses are counted by inertia, 40 go to the dense solver.
+TEST(ModesFromFactors, HoldsDofsByTheFactorsOfTheWhole) {
+  for (const int n : {40, 500}) {
+    SCOPED_TRACE(n);
+    const int at = n / 3;
+    const SparseMatrix mass = DiagonalMatrix(Vector::Ones(n));
+    const SparseMatrix stiffness = Chains(n, 1, true);
+    std::vector<double> expected;
+    for (int i = 0; i < 9; ++i) {
+      const double s = std::sin((i + 1) * kPi / (2.0 * (at + 1)));
+      expected.push_back(4.0 * s * s);
+      expected.push_back(HeldChainEigenvalue(n - at - 1, i));
+    }
+    std::sort(expected.begin(), expected.end());
+    expected.resize(9);
+    auto factors = std::make_unique<ShiftedFactors>();
+    ASSERT_TRUE(factors->FactoriseDefinite(mass, stiffness, 0.0));
+    SparseModes modes;
+    std::string error;
+    ASSERT_TRUE(
+        ModesFromFactors(mass, stiffness, {at}, 9, &factors, &modes, &error))
+        << error;
+    ExpectEigenvalues(modes, expected, 1e-9);
+    EXPECT_EQ(modes.mode_shapes.row(at).norm(), 0.0);
+    EXPECT_LT((modes.mode_shapes.transpose() * modes.mode_shapes -
+               Matrix::Identity(9, 9))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-9);
+    // The factors can be asked again.
+    ASSERT_NE(factors, nullptr);
+    ASSERT_TRUE(
+        ModesFromFactors(mass, stiffness, {}, 1, &factors, &modes, &error))
+        << error;
+    ExpectEigenvalues(modes, {HeldChainEigenvalue(n, 0)}, 1e-9);
+  }
+}
+
+TEST(ModesFromFactors, RefusesToHoldAllMasses) {
+  const SparseMatrix mass = DiagonalMatrix(Vector::Unit(5, 2));
+  const SparseMatrix stiffness = Chains(5, 1, true);
+  auto factors = std::make_unique<ShiftedFactors>();
+  ASSERT_TRUE(factors->FactoriseDefinite(mass, stiffness, 0.0));
+  SparseModes modes;
+  std::string error;
+  EXPECT_FALSE(
+      ModesFromFactors(mass, stiffness, {2}, 1, &factors, &modes, &error));
+  EXPECT_THAT(error, HasSubstr("no DOF with mass is left to move"));
 }
 
 TEST(ComputeLowestModes, SquareMembraneHasPairs) {

@@ -72,10 +72,11 @@ class SupernodalFactor : public SparseFactor {
     cholmod_l_finish(&common_);
   }
 
-  bool Factorise(const SparseMatrix& symmetric) override {
+  bool Factorise(SparseMatrix symmetric) override {
     CHECK_EQ(symmetric.rows(), symmetric.cols());
     CHECK(factor_ == nullptr) << "one object, one factorisation";
     LowerTriangle lower(symmetric);
+    symmetric = SparseMatrix();
     factor_ = cholmod_l_analyze(lower.view(), &common_);
     if (factor_ == nullptr && common_.status != CHOLMOD_OUT_OF_MEMORY) {
       // METIS refuses some matrices, diagonal ones for example.
