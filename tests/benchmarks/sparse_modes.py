@@ -51,17 +51,20 @@ def element(size, poisson=0.3):
     return (stiffness + stiffness.T) / 2, mass
 
 
-def brick(nodes):
-    stiffness, mass = element(1.0 / (nodes - 1))
-    number = np.arange(nodes**3).reshape(nodes, nodes, nodes)
-    corners = [number[x:nodes - 1 + x, y:nodes - 1 + y, z:nodes - 1 + z]
-               .ravel() for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+def brick(nodes, size):
+    """K and M of a solid of nodes[0] x nodes[1] x nodes[2] nodes and cubes of
+    the given size; its face x = 0 is held."""
+    stiffness, mass = element(size)
+    number = np.arange(np.prod(nodes)).reshape(nodes)
+    corners = [number[x:nodes[0] - 1 + x, y:nodes[1] - 1 + y,
+                      z:nodes[2] - 1 + z].ravel()
+               for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     dofs = (3 * np.stack(corners, axis=1)[:, :, None]
             + np.arange(3)).reshape(-1, 24)
     rows = np.repeat(dofs, 24, axis=1).ravel()
     columns = np.tile(dofs, (1, 24)).ravel()
-    n = 3 * nodes**3
-    held = 3 * nodes**2
+    n = 3 * number.size
+    held = 3 * number[0].size
     result = []
     for matrix in (stiffness, mass):
         values = np.tile(matrix.ravel(), len(dofs))
@@ -78,7 +81,7 @@ def main():
     parser.add_argument("--nodes", type=int, default=26)
     parser.add_argument("--modes", type=int, default=20)
     options = parser.parse_args()
-    stiffness, mass = brick(options.nodes)
+    stiffness, mass = brick(3 * [options.nodes], 1.0 / (options.nodes - 1))
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "brick.npz")
         parts = {}
