@@ -8,6 +8,49 @@
 #include "pinode/base/strings.h"
 
 namespace pinode {
+namespace {
+
+// Places of entries, column by column and by rows within each.
+struct ColumnOrder {
+  std::vector<size_t> begins;  // of each column, and the end
+  std::vector<size_t> places;
+};
+
+// Most files have the entries of a row or column together and in order. They
+// are dealt to their columns, and only columns out of order are sorted.
+ColumnOrder OrderByColumns(const std::vector<MatrixEntry>& entries,
+                           int columns) {
+  ColumnOrder order;
+  order.begins.assign(static_cast<size_t>(columns) + 1, 0);
+  for (const MatrixEntry& entry : entries) {
+    ++order.begins[static_cast<size_t>(entry.column) + 1];
+  }
+  for (size_t c = 1; c < order.begins.size(); ++c) {
+    order.begins[c] += order.begins[c - 1];
+  }
+  std::vector<size_t> next(order.begins.begin(), order.begins.end() - 1);
+  order.places.resize(entries.size());
+  for (size_t k = 0; k < entries.size(); ++k) {
+    order.places[next[static_cast<size_t>(entries[k].column)]++] = k;
+  }
+  const auto ascending = [&entries](size_t a, size_t b) {
+    if (entries[a].row != entries[b].row)
+      return entries[a].row < entries[b].row;
+    return entries[a].line < entries[b].line;
+  };
+  for (size_t c = 0; c + 1 < order.begins.size(); ++c) {
+    const auto begin =
+        order.places.begin() + static_cast<std::ptrdiff_t>(order.begins[c]);
+    const auto end =
+        order.places.begin() + static_cast<std::ptrdiff_t>(order.begins[c + 1]);
+    if (!std::is_sorted(begin, end, ascending)) {
+      std::sort(begin, end, ascending);
+    }
+  }
+  return order;
+}
+
+}  // namespace
 
 LineReader::LineReader(const std::string& path, std::string_view text)
     : path_(path), rest_(text) {
@@ -106,22 +149,18 @@ bool AssembleMatrix(int rows, int columns, bool mirrored,
       entries->push_back(mirror);
     }
   }
-  std::sort(entries->begin(), entries->end(),
-            [](const MatrixEntry& a, const MatrixEntry& b) {
-              if (a.column != b.column) return a.column < b.column;
-              if (a.row != b.row) return a.row < b.row;
-              return a.line < b.line;
-            });
-  // Among several entries, the first one in the file, as it is there.
-  const MatrixEntry* first = nullptr;
-  for (size_t k = 0; k < entries->size(); ++k) {
-    const MatrixEntry& entry = (*entries)[k];
+  for (const MatrixEntry& entry : *entries) {
     CHECK(entry.row >= 0 && entry.row < rows && entry.column >= 0 &&
           entry.column < columns)
         << "entry " << EntryText(entry.row, entry.column) << " lies outside "
         << SizeText(rows, columns);
-    if (k == 0) continue;
-    const MatrixEntry& before = (*entries)[k - 1];
+  }
+  const ColumnOrder order = OrderByColumns(*entries, columns);
+  // Among several entries, the first one in the file, as it is there.
+  const MatrixEntry* first = nullptr;
+  for (size_t k = 1; k < order.places.size(); ++k) {
+    const MatrixEntry& entry = (*entries)[order.places[k]];
+    const MatrixEntry& before = (*entries)[order.places[k - 1]];
     if (entry.row == before.row && entry.column == before.column &&
         (first == nullptr || entry.line < first->line ||
          (entry.line == first->line && first->mirror))) {
@@ -134,11 +173,12 @@ bool AssembleMatrix(int rows, int columns, bool mirrored,
   }
   SparseMatrix result(rows, columns);
   result.reserve(static_cast<Eigen::Index>(entries->size()));
-  size_t k = 0;
   for (int column = 0; column < columns; ++column) {
     result.startVec(column);
-    for (; k < entries->size() && (*entries)[k].column == column; ++k) {
-      result.insertBack((*entries)[k].row, column) = (*entries)[k].value;
+    const auto c = static_cast<size_t>(column);
+    for (size_t k = order.begins[c]; k < order.begins[c + 1]; ++k) {
+      const MatrixEntry& entry = (*entries)[order.places[k]];
+      result.insertBack(entry.row, column) = entry.value;
     }
   }
   result.finalize();
