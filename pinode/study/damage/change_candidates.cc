@@ -9,6 +9,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/explanations/nonlinear_force.h"
 #include "pinode/study/explanations/ungrouped_stiffness.h"
@@ -92,7 +93,67 @@ bool ForceTerm(const ChangeCandidate& candidate,
   return MakeLibraryTerm(spec, dynamics, units, term, error);
 }
 
+// Parts of "a+b", empty ones too.
+std::vector<std::string> PartsOf(const std::string& text) {
+  std::vector<std::string> parts;
+  size_t begin = 0;
+  for (size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find('+', begin);
+    parts.push_back(text.substr(
+        begin, end == std::string::npos ? std::string::npos : end - begin));
+    if (end == std::string::npos) break;
+  }
+  return parts;
+}
+
+// The candidate of one part of an explanation; nullptr if there is none.
+const ChangeCandidate* CandidateOf(
+    const std::string& kind, const std::string& place,
+    const std::vector<ChangeCandidate>& candidates) {
+  for (const ChangeCandidate& candidate : candidates) {
+    const ChangeSubject& subject = candidate.subject;
+    switch (subject.kind) {
+      case ChangeKind::kDamping:
+        // All modes are the first; modes of their own follow where they differ.
+        if (kind == "damping" && place.empty()) return &candidate;
+        break;
+      case ChangeKind::kMass:
+        if (kind == "mass" && place == subject.place) return &candidate;
+        break;
+      case ChangeKind::kStiffness:
+        if (kind == "stiffness" && place == subject.place) return &candidate;
+        break;
+      case ChangeKind::kNonlinear:
+        break;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
+
+std::vector<ChangeCandidate> ExplainedCandidates(
+    const std::vector<Explanation>& explanations,
+    const std::vector<ChangeCandidate>& candidates) {
+  for (const Explanation& explanation : explanations) {
+    if (explanation.log_odds < limits::kLogOdds ||
+        explanation.log_odds < explanations[0].log_odds - limits::kLogOdds) {
+      break;
+    }
+    if (!(explanation.leaves < limits::kNotedUnexplained)) continue;
+    const std::vector<std::string> kinds = PartsOf(explanation.kind);
+    const std::vector<std::string> places = PartsOf(explanation.place);
+    if (kinds.size() != places.size()) continue;
+    std::vector<ChangeCandidate> named;
+    for (size_t i = 0; i < kinds.size(); ++i) {
+      const ChangeCandidate* candidate =
+          CandidateOf(kinds[i], places[i], candidates);
+      if (candidate != nullptr) named.push_back(*candidate);
+    }
+    if (named.size() == kinds.size()) return named;
+  }
+  return {};
+}
 
 std::vector<ChangeCandidate> MakeChangeCandidates(
     const IdentificationProblem& problem, const DamageSearch& search,

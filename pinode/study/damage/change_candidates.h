@@ -9,6 +9,7 @@
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"
+#include "pinode/problem/verdict.h"
 #include "pinode/study/damage/damage_search.h"
 
 namespace pinode {
@@ -27,6 +28,14 @@ namespace pinode {
 std::vector<ChangeCandidate> MakeChangeCandidates(
     const IdentificationProblem& problem, const DamageSearch& search,
     const FitSummary& summary, const IdentifiedModel& model);
+
+// Returns the candidates that describe the likeliest of `explanations` (best
+// first) that leaves nothing but noise. Explanations with odds like the best's
+// stand for it, because no data tell them apart. Empty: none leaves only noise,
+// or a part of it is no candidate, as the gain of a sensor.
+std::vector<ChangeCandidate> ExplainedCandidates(
+    const std::vector<Explanation>& explanations,
+    const std::vector<ChangeCandidate>& candidates);
 
 // Returns the features of a candidate's function: the deformation of its place,
 // then the rate.

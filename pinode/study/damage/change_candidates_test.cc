@@ -186,6 +186,52 @@ TEST_F(ChangeCandidates, RefuseWhatIsNotThere) {
   EXPECT_THAT(error, ::testing::HasSubstr("'u9'"));
 }
 
+// Explanations with log odds, what they leave, kinds and places.
+Explanation MakeExplanation(double log_odds, double leaves,
+                            const std::string& kind, const std::string& place) {
+  Explanation explanation;
+  explanation.log_odds = log_odds;
+  explanation.leaves = leaves;
+  explanation.kind = kind;
+  explanation.place = place;
+  return explanation;
+}
+
+TEST_F(ChangeCandidates, FollowExplanationsOfTheNewRecords) {
+  search_.damping = true;
+  const std::vector<ChangeCandidate> candidates =
+      MakeChangeCandidates(problem_, search_, summary_, model_);
+  const auto names = [&](const std::vector<Explanation>& explanations) {
+    std::vector<std::string> found;
+    for (const ChangeCandidate& candidate :
+         ExplainedCandidates(explanations, candidates)) {
+      found.push_back(candidate.subject.name);
+    }
+    return found;
+  };
+  using ::testing::ElementsAre;
+  using ::testing::IsEmpty;
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "mass", "u2")}),
+              ElementsAre("mass.u2"));
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "mass+damping", "u1+")}),
+              ElementsAre("mass.u1", "damping.all"));
+  // All masses by one factor are no candidate; with all stiffness free, damping
+  // of another size is the same.
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "mass", ""),
+                     MakeExplanation(89.0, 0.001, "damping", "")}),
+              ElementsAre("damping.all"));
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "sensor_gain", "a1"),
+                     MakeExplanation(80.0, 0.001, "damping", "")}),
+              IsEmpty());
+  EXPECT_THAT(
+      names({MakeExplanation(90.0, 0.001, "sensor_gain+mass", "a1+u1")}),
+      IsEmpty());
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.1, "mass", "u1")}), IsEmpty());
+  EXPECT_THAT(names({MakeExplanation(2.0, 0.001, "mass", "u1")}), IsEmpty());
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "mass", "u7")}), IsEmpty());
+  EXPECT_THAT(names({}), IsEmpty());
+}
+
 TEST_F(ChangeCandidates, ShareTheRestoringForce) {
   std::vector<ChangeCandidate> candidates =
       MakeChangeCandidates(problem_, search_, summary_, model_);

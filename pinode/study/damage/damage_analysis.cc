@@ -89,6 +89,7 @@ class Analyst {
     std::string why;
     verdict_ = summary.verdict;
     choice_ = summary.choice;
+    explanations_ = summary.explanations;
     doubts_ = DoubtsOf(summary);
     const bool kinds =
         !candidates_.empty() && healthy_records_.Refit(&inner_, &why) &&
@@ -142,6 +143,13 @@ class Analyst {
   // found_ and fit_of_new_, where masses or nonlinear forces are among what the
   // data ask for.
   bool LookForKinds(std::string* error) {
+    // Far from what explains the new records no linearisation finds it: damping
+    // that had grown by 40 % left 20 % unexplained, and "cannot tell", with 7
+    // masses and 6 factors on damping as candidates.
+    const Candidates explained =
+        ExplainedCandidates(explanations_, candidates_);
+    std::string unused;
+    bool explains = !explained.empty() && FitWith(explained, &unused);
     for (int round = 0; round < kMaxRounds; ++round) {
       ChangeEstimate wide;
       if (!WideStates(error) ||
@@ -166,38 +174,50 @@ class Analyst {
       }
       // Without what was found the motion has no explanation at all.
       if (asked_for.empty() && !verdict_.usable()) return true;
-      FitOfRecords fit;
-      fit.name = kNewRecords;
-      if (!AddCandidates(problem_, asked_for, &fit.problem, error)) {
-        return false;
+      if (!FitWith(asked_for, error)) {
+        if (!explains) return false;
+        // What explains the records alone needs nothing beside it.
+        error->clear();
+        return true;
       }
-      IdentificationOptions options = identification_;
-      BeginNearTheEnd(&options);
-      options.max_num_iterations =
-          std::min(options.max_num_iterations, kMostIterationsWithKinds);
-      const IdentifiedModel begin =
-          BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
-                    fit_of_new_.model, fit.problem);
-      inner_.Run("with " + std::to_string(asked_for.size()) + " more",
-                 fit.problem, options, &begin, &fit.summary, &fit.model);
-      const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
-      if (!why_not.empty() || fit.summary.covariance.size() == 0) {
-        *error =
-            "the fit with " +
-            (asked_for.empty() ? "groups alone" : asked_for[0].subject.name) +
-            (asked_for.size() > 1 ? " and others" : "") + " is not usable: " +
-            (why_not.empty() ? "it has no covariance" : why_not);
-        return false;
-      }
-      found_ = std::move(asked_for);
-      fit_of_new_ = std::move(fit);
-      // Candidates that leave motion unexplained are not what the model lacks.
-      if (MissedOf(fit_of_new_.summary, 0.0) < limits::kNotedUnexplained &&
-          healthy_records_.RefitWith(
-              found_, ParametersByName(fit_of_new_.problem, fit_of_new_.model),
-              &inner_)) {
-        in_both_ = found_;
-      }
+      explains = false;
+    }
+    return true;
+  }
+
+  // Takes `candidates` for found_ and fits the new records with them.
+  bool FitWith(const Candidates& candidates, std::string* error) {
+    FitOfRecords fit;
+    fit.name = kNewRecords;
+    if (!AddCandidates(problem_, candidates, &fit.problem, error)) {
+      return false;
+    }
+    IdentificationOptions options = identification_;
+    BeginNearTheEnd(&options);
+    options.max_num_iterations =
+        std::min(options.max_num_iterations, kMostIterationsWithKinds);
+    const IdentifiedModel begin =
+        BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
+                  fit_of_new_.model, fit.problem);
+    inner_.Run("with " + std::to_string(candidates.size()) + " more",
+               fit.problem, options, &begin, &fit.summary, &fit.model);
+    const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
+    if (!why_not.empty() || fit.summary.covariance.size() == 0) {
+      *error =
+          "the fit with " +
+          (candidates.empty() ? "groups alone" : candidates[0].subject.name) +
+          (candidates.size() > 1 ? " and others" : "") + " is not usable: " +
+          (why_not.empty() ? "it has no covariance" : why_not);
+      return false;
+    }
+    found_ = candidates;
+    fit_of_new_ = std::move(fit);
+    // Candidates that leave motion unexplained are not what the model lacks.
+    if (MissedOf(fit_of_new_.summary, 0.0) < limits::kNotedUnexplained &&
+        healthy_records_.RefitWith(
+            found_, ParametersByName(fit_of_new_.problem, fit_of_new_.model),
+            &inner_)) {
+      in_both_ = found_;
     }
     return true;
   }
@@ -219,6 +239,7 @@ class Analyst {
     doubts_ = DoubtsOf(found.summary);
     verdict_ = std::move(found.summary.verdict);
     choice_ = std::move(found.summary.choice);
+    explanations_ = std::move(found.summary.explanations);
     fit_of_new_ = {kNewRecords, std::move(found.problem),
                    std::move(found.summary), std::move(found.model)};
     return true;
@@ -287,11 +308,13 @@ class Analyst {
           " %. A part of the change is of a kind that was not looked for. "
           "Small changes may be side effects.");
     }
+    SayWhatExplains();
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
     result_.summary.verdict = std::move(verdict_);
     result_.summary.choice = std::move(choice_);
+    result_.summary.explanations = std::move(explanations_);
     result_.model = std::move(fit_of_new_.model);
     return true;
   }
@@ -511,6 +534,22 @@ class Analyst {
     return true;
   }
 
+  // No subject can be a sensor or a clock, which may be all there is.
+  void SayWhatExplains() {
+    if (result_.judgement.verdict != DamageVerdict::kCannotTell ||
+        explanations_.empty()) {
+      return;
+    }
+    const Explanation& best = explanations_[0];
+    if (best.log_odds < limits::kLogOdds ||
+        !(best.leaves < limits::kNotedUnexplained)) {
+      return;
+    }
+    result_.remarks.push_back(
+        "Nothing but noise is left of the new records with this explanation: " +
+        best.what + ". Check it first.");
+  }
+
   // The table of parameters is of a fit with everything free.
   void SayWhatDiffers(const std::vector<GroupState>& healthy,
                       const GroupState& current) {
@@ -609,10 +648,11 @@ class Analyst {
   // Candidates that the healthy records have too, and the model has not.
   Candidates in_both_;
   FitOfRecords fit_of_new_, fit_of_groups_;
-  // Verdict, doubts and choice of the result in fit_of_new_.
+  // Verdict, doubts, choice and explanations of the result in fit_of_new_.
   Verdict verdict_;
   Doubts doubts_;
   ModelChoice choice_;
+  std::vector<Explanation> explanations_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
   // Groups and all candidates, see ToLogarithms.
   std::vector<GroupState> healthy_;

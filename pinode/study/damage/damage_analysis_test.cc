@@ -9,6 +9,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/study/damage/change_refit.h"
+#include "pinode/study/identify/identify.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/study_testing.h"
 
@@ -203,6 +204,32 @@ TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
   fit.summary.verdict = testing::NotUsable();
   fit.summary.message = "of the test";
   EXPECT_THAT(refusal(fit, {good}, {}), HasSubstr("of the test"));
+}
+
+// A sensor's gain is no subject, so that the verdict cannot name it.
+TEST_F(AnalyseDamageTest, SaysWhatExplainsTheNewRecordsInstead) {
+  const auto same = ChainAt(Vector{{0.05, -0.02, 0.01}});
+  IdentificationProblem problem = MeasuredChain(3, *same, 4);
+  problem.records[0].channels[1].values *= 1.3;
+  Identification later = Identify(problem, {}, {}, nullptr);
+  TestFit fit;
+  fit.problem = std::move(later.problem);
+  fit.summary = std::move(later.summary);
+  fit.model = std::move(later.model);
+  DamageAnalysisOptions options;
+  options.search = LookEverywhere(fit.problem);
+  DamageResult result;
+  std::string error;
+  ASSERT_TRUE(Analyse(fit, {BaselineOrFail()}, options, &result, &error))
+      << error;
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kCannotTell)
+      << result.judgement.sentence;
+  ASSERT_FALSE(result.summary.explanations.empty());
+  EXPECT_EQ(result.summary.explanations[0].kind, "sensor_gain");
+  EXPECT_EQ(result.summary.explanations[0].place, "a2");
+  EXPECT_NEAR(result.summary.explanations[0].value, 1.3, 0.01);
+  ASSERT_FALSE(result.remarks.empty());
+  EXPECT_THAT(result.remarks.back(), HasSubstr("the gain of sensor 'a2', 1.3"));
 }
 
 // Fits of healthy records of another size are no reason to end.
