@@ -98,7 +98,7 @@ struct IdentificationOptions {
   //   stiffnesses may then fit as well (F. E. Udwadia, D. K. Sharma, SIAM J.
   //   Appl. Math. 34 (1978) 104-118);
   // - 16 for frequencies without shapes;
-  // - else 1.
+  // - else 1, up to 4 if a linear structure's first predicts no motion.
   int num_starts = 0;
   // Seed of the random starts, and number of threads.
   uint64_t seed = 1;

@@ -130,7 +130,9 @@ CaseTable OptionsKeys() {
               {"multistart", "whole number", "", "0",
                "Number of starts. 0: 8 for linear structures with twice as "
                "many stiffness groups as sensors, 16 for frequencies without "
-               "shapes, else 1. Starts are drawn between `lower` and `upper`, "
+               "shapes, else 1; up to 4 for linear structures whose first "
+               "start ends no better than no motion. Starts are drawn between "
+               "`lower` and `upper`, "
                "or two `prior_sigma`. Without these, stiffness goes from half "
                "to twice its nominal size, and damping from a third to three "
                "times. The best has the least training free-run error, without "

@@ -63,5 +63,43 @@ TEST(Multistart, DrawsGroupsWithoutBoundsAroundTheirNominalSize) {
   EXPECT_NEAR(most, 2.0, 0.1);
 }
 
+// A chain whose storeys are far from the start, fitted with one step a stage:
+// no start gets anywhere.
+TEST(Multistart, TriesOtherStartsWhereTheFirstIsLost) {
+  IdentificationProblem problem;
+  problem.dynamics = testing::MakeGroupedChain(3, 100.0, 0.05);
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*problem.dynamics, 400, 0.05);
+  record.start = IdentificationRecord::Start::kRest;
+  for (int i = 0; i < 3; ++i) {
+    record.channels.push_back(testing::MakeChannel(
+        "a" + std::to_string(i + 1), Quantity::kAbsoluteAcceleration, 3, i));
+  }
+  record.substeps = 8;
+  const auto truth = testing::MakeGroupedChain(3, 100.0, 0.05);
+  truth->SetParameters(Vector{{1.5, -0.6, 0.9}});
+  testing::Simulate(*truth, truth->Parameters(), Vector::Zero(6), 0.001, 1,
+                    &record);
+  problem.records.push_back(std::move(record));
+  IdentificationOptions options;
+  options.max_num_iterations = 1;
+  const auto starts = [&]() {
+    FitSummary summary;
+    const std::unique_ptr<Fit> fit =
+        RunStarts(problem, options, nullptr, &summary);
+    EXPECT_NE(fit, nullptr);
+    return summary.num_starts;
+  };
+  EXPECT_GT(starts(), 1);
+  EXPECT_LE(starts(), 4);
+  options.num_starts = 1;
+  EXPECT_EQ(starts(), 1);
+  // A fit that gets there needs no other start.
+  options.num_starts = 0;
+  options.max_num_iterations = 100;
+  problem.dynamics = truth;
+  EXPECT_EQ(starts(), 1);
+}
+
 }  // namespace
 }  // namespace pinode
