@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
@@ -16,6 +17,15 @@ Eigen::Index PositionOf(const std::string& name,
                         const std::vector<std::string>& names) {
   const auto position = std::find(names.begin(), names.end(), name);
   return position == names.end() ? -1 : position - names.begin();
+}
+
+// True if the values could as well be those of another start, of whatever
+// size. Mirrored elements of a beam have one set of frequencies.
+bool HasOtherSolution(const Verdict& verdict) {
+  const std::vector<Finding>& findings = verdict.findings();
+  return std::any_of(
+      findings.begin(), findings.end(),
+      [](const Finding& finding) { return finding.check == "other_solution"; });
 }
 
 }  // namespace
@@ -64,6 +74,12 @@ bool MissesMotion(const Verdict& verdict) {
 Doubts DoubtsOf(const IdentificationSummary& summary) {
   Doubts doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
+  if (HasOtherSolution(summary.verdict)) {
+    for (const ParameterEstimate& own : summary.parameters) {
+      doubts.reach.push_back({own.name, own.value, -kInfinity, kInfinity});
+    }
+    return doubts;
+  }
   const bool misses_motion = MissesMotion(summary.verdict);
   for (const ParameterEstimate& own : summary.parameters) {
     ExplainedValue doubt{own.name, own.value, own.value - own.half_width95,

@@ -37,7 +37,7 @@ struct Doubts {
   // Values and widened intervals of named parameters. They include the
   // intervals under the likeliest explanations. If motion is unexplained, they
   // also include the result's own intervals, which allow for an incomplete
-  // model.
+  // model. Endless if another solution describes the data as well.
   std::vector<ExplainedValue> reach = {};
   // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;

@@ -250,6 +250,10 @@ class Analyst {
       *error =
           "the fit to the new records is not usable, and no change of another "
           "kind explains the remaining motion";
+      if (const Explanation* best = ExplanationOfAll()) {
+        *error +=
+            "; nothing but noise is left with this explanation: " + best->what;
+      }
       return false;
     }
     for (const GroupTerm& term : problem_.dynamics->groups()) {
@@ -309,6 +313,7 @@ class Analyst {
           "Small changes may be side effects.");
     }
     SayWhatExplains();
+    SayWhereAnotherSolutionIs();
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
@@ -534,20 +539,42 @@ class Analyst {
     return true;
   }
 
+  // The likeliest explanation of the new records, if only noise is left with
+  // it; nullptr else.
+  const Explanation* ExplanationOfAll() const {
+    if (explanations_.empty()) return nullptr;
+    const Explanation& best = explanations_[0];
+    const bool is_whole = best.log_odds > limits::kLogOdds &&
+                          best.leaves < limits::kNotedUnexplained;
+    return is_whole ? &best : nullptr;
+  }
+
   // No subject can be a sensor or a clock, which may be all there is.
   void SayWhatExplains() {
+    const Explanation* best = ExplanationOfAll();
     if (result_.judgement.verdict != DamageVerdict::kCannotTell ||
-        explanations_.empty()) {
-      return;
-    }
-    const Explanation& best = explanations_[0];
-    if (best.log_odds < limits::kLogOdds ||
-        !(best.leaves < limits::kNotedUnexplained)) {
+        best == nullptr) {
       return;
     }
     result_.remarks.push_back(
         "Nothing but noise is left of the new records with this explanation: " +
-        best.what + ". Check it first.");
+        best->what + ". Check it first.");
+  }
+
+  // Such a reach is endless.
+  void SayWhereAnotherSolutionIs() {
+    const auto say = [this](const std::string& whose, const Doubts& doubts) {
+      if (doubts.reach.empty() || std::isfinite(doubts.reach[0].lower95)) {
+        return;
+      }
+      result_.remarks.push_back(
+          "Another solution describes the data of " + whose +
+          " as well, so that no change of a group counts. Add mode shapes, "
+          "sensors or priors.");
+    };
+    if (baselines_.size() != 1) return;
+    say("the baseline", baselines_[0].doubts);
+    say(kNewRecords, doubts_);
   }
 
   // The table of parameters is of a fit with everything free.

@@ -232,6 +232,26 @@ TEST_F(AnalyseDamageTest, SaysWhatExplainsTheNewRecordsInstead) {
   EXPECT_THAT(result.remarks.back(), HasSubstr("the gain of sensor 'a2', 1.3"));
 }
 
+// The healthy values may be those of the other solution, and the change with
+// them: frequencies of a beam on two supports named the wrong one of two
+// mirrored elements.
+TEST_F(AnalyseDamageTest, ABaselineWithAnotherSolutionNamesNoGroup) {
+  Baseline baseline = BaselineOrFail();
+  IdentificationSummary summary = healthy_->summary;
+  Finding finding;
+  finding.check = "other_solution";
+  finding.grade = Grade::kWithCare;
+  summary.verdict = Verdict({finding});
+  baseline.doubts = DoubtsOf(summary);
+  DamageResult result;
+  std::string error;
+  ASSERT_TRUE(Analyse(*damaged_, {baseline}, {}, &result, &error)) << error;
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kCannotTell)
+      << result.judgement.sentence;
+  ASSERT_FALSE(result.remarks.empty());
+  EXPECT_THAT(result.remarks.back(), HasSubstr("Another solution"));
+}
+
 // Fits of healthy records of another size are no reason to end.
 TEST_F(AnalyseDamageTest, SaysWhereHealthyRecordsDoNotFit) {
   DamageAnalysisOptions options;

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Verdicts of damage on random structures: damage_board.py PROGRAMS COUNT
 [--first=N] [--change=KIND|random] [--hidden=KIND|none|random]
-[--baselines=1] [--dofs=4-15] [--jobs=2] [--keep=FOLDER]
+[--baselines=1] [--dofs=4-15] [--sensors=N] [--jobs=2] [--keep=FOLDER]
 
 Makes COUNT pairs of states.  The healthy one is a case with one record (more
 with --baselines) that pinode_update fits; the later one has another excitation,
 of another level, and at most one change, and goes to pinode_damage.  Half of the
 structures have an error of their model that no unknown of the user describes and
 that is there in both states.  A third are beams, with full matrices and sensors
-of translations; the others are the chains of structures.py.
+of translations; the others are the chains of structures.py.  With --sensors
+only the N highest places are measured.
 
 A verdict is wrong if it is "damage" where no stiffness is lost, or names a group
 that has lost nothing, or gives the loss with an interval that misses it by more
@@ -77,12 +78,15 @@ class Beam(structures.Structure):
 class State(structures.Setup):
     """The healthy state or, with a change, the later one."""
 
-    def __init__(self, seed, hidden, dofs):
+    def __init__(self, seed, hidden, dofs, sensors=0):
         shape = np.random.default_rng([seed, 2])
         self.is_beam = bool(shape.random() < 1 / 3) and hidden not in (
             "stiffness", "cubic")
         self.make = Beam if self.is_beam else structures.Structure
         super().__init__(seed, [] if hidden == "none" else [hidden], dofs)
+        if sensors > 0:
+            places = np.flatnonzero(self.structure.moves)
+            self.sensors = [int(p) for p in places[-sensors:]]
         self.level = 1.0
         # Fixes a cubic spring for all states and levels.
         self.respond(self.alphas, self.damping_alphas, self.faults)
@@ -168,6 +172,8 @@ def judge(kind, lost, damage):
             out["found"] = True
         if loss < -0.05 and -loss > 3 * half:
             out["seen"] = True
+    first = damage["explanations"][0]["changes"] if damage["explanations"] else []
+    out["named"] = any(change["target"] == "damping" for change in first)
     if damage["verdict"] == "nonlinear" or (
             damage["verdict"] == "damage" and
             (kind in NO_LOSS or kind == "temperature")):
@@ -192,7 +198,7 @@ def run(args, seed, folder):
            "sentence": "", "fit": ""}
     baselines = []
     for number in range(args.baselines):
-        state = State(seed, hidden, dofs)
+        state = State(seed, hidden, dofs, args.sensors)
         state.level = [1.0, 1.6, 0.6][number % 3]
         state.begin(seed, number)
         state.write_case(os.path.join(place, f"healthy{number}"))
@@ -201,7 +207,7 @@ def run(args, seed, folder):
                     f"--case={place}/healthy{number}/case.toml",
                     f"--output_dir={output}")
         baselines.append(output)
-    later = State(seed, hidden, dofs)
+    later = State(seed, hidden, dofs, args.sensors)
     row["lost"] = later.change(seed, kind)
     row["size"] = later.size
     later.begin(seed, 100)
@@ -234,6 +240,10 @@ def table(rows):
     seen = [r for r in rows if r["kind"] == "loss" and r.get("seen")]
     print(f"losses above three half-widths called damage: "
           f"{sum(r['found'] for r in seen)} of {len(seen)}")
+    damped = [r for r in rows if r["kind"] == "damping"]
+    if damped:
+        print(f"changed damping named: "
+              f"{sum(r.get('named', False) for r in damped)} of {len(damped)}")
     print(f"intervals that hold the change: {sum(r['held'] for r in rows)} of "
           f"{sum(r['intervals'] for r in rows)}")
 
@@ -247,6 +257,7 @@ def main():
     parser.add_argument("--hidden", default="random")
     parser.add_argument("--baselines", type=int, default=1)
     parser.add_argument("--dofs", default="4-15")
+    parser.add_argument("--sensors", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--keep")
     args = parser.parse_args()
