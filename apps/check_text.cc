@@ -6,6 +6,7 @@
 
 #include "apps/print.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/units.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/record/excitation.h"
 
@@ -20,6 +21,12 @@ void PrintNumber(double value, const char* format, int width) {
   }
 }
 
+// Rounds to a number of decimals. Never returns -0, which would be printed so.
+double Rounded(double value, int decimals) {
+  const double unit = std::pow(10.0, -decimals);
+  return std::round(value / unit) * unit + 0.0;
+}
+
 void PrintFiniteElementModel(const Case& c) {
   if (c.finite_element == nullptr) return;
   const ReducedStructure& source = *c.finite_element;
@@ -27,8 +34,8 @@ void PrintFiniteElementModel(const Case& c) {
   const SparseModes& modes = reduced.whole_modes;
   const SpecialDofs special = FindSpecialDofs(source.model);
   Print(
-      "Finite-element model: %d DOFs, %zu removed, %zu of the others without "
-      "mass\n%d rigid-body modes, %ld non-zeros in K, damping %s\n",
+      "Finite-element model: %d DOFs, %zu removed, %zu without mass\n"
+      "%d rigid-body modes, %ld non-zeros in K, damping %s\n",
       source.exported.num_dofs(), source.removed_dofs.size(),
       special.massless.size(), modes.num_rigid_body_modes,
       static_cast<long>(source.model.stiffness.nonZeros()),
@@ -61,10 +68,11 @@ void PrintFiniteElementModel(const Case& c) {
                               : std::nan("");
     Print("    ");
     PrintNumber(listed, "%10.5g", 10);
-    PrintNumber(100.0 * (hz / listed - 1.0), "%10.3f", 10);
+    PrintNumber(Rounded(100.0 * (hz / listed - 1.0), 3), "%10.3f", 10);
     const bool compared = i < reduced.mac.size();
     Print("        ");
-    PrintNumber(compared ? 100.0 * reduced.frequency_error[i] : std::nan(""),
+    PrintNumber(compared ? Rounded(100.0 * reduced.frequency_error[i], 3)
+                         : std::nan(""),
                 "%10.3f", 10);
     PrintNumber(compared ? reduced.mac[i] : std::nan(""), "%9.5f", 9);
     Print("\n");
@@ -86,7 +94,8 @@ void PrintModel(const Case& c, const CaseCheck& check) {
   const double to_hz = c.problem.description.HzPerModelFrequency();
   Print(
       "\nModes (damping in %% of critical)\n"
-      "Mode      Hz   damping %%   expected Hz   error %%\n");
+      "Mode      Hz   damping %%%s\n",
+      c.expected_hz.empty() ? "" : "   expected Hz   error %");
   for (int i = 0; i < modes.frequency_hz.size(); ++i) {
     const double hz = to_hz * modes.frequency_hz[i];
     // A negative stiffness has no frequency.
@@ -100,7 +109,7 @@ void PrintModel(const Case& c, const CaseCheck& check) {
     const size_t index = static_cast<size_t>(i);
     if (index < c.expected_hz.size()) {
       Print("   %11.4g %9.2f", c.expected_hz[index],
-            100.0 * (hz / c.expected_hz[index] - 1.0));
+            Rounded(100.0 * (hz / c.expected_hz[index] - 1.0), 2));
     }
     Print("\n");
   }
@@ -131,43 +140,58 @@ void PrintQuestions(const CaseCheck& check) {
   }
 }
 
+// How the record is integrated, and the accuracy of that.
+void PrintSteps(const Case& c, const IdentificationRecord& record,
+                const SubstepChoice& choice) {
+  const double pi = std::acos(-1.0);
+  const char* chosen = record.substeps_chosen ? "chosen" : "given";
+  if (choice.integrator == Integrator::kExact) {
+    Print("    integrated exactly");
+  } else if (choice.integrator == Integrator::kExponential) {
+    Print("    exponential steps, %d a sample (%s)", record.exponential_steps,
+          chosen);
+  } else {
+    Print("    Runge-Kutta steps, %d a sample (%s)", record.substeps, chosen);
+  }
+  Print("; fastest mode %.4g Hz", c.problem.description.HzPerModelFrequency() *
+                                      choice.stability.largest_eigenvalue /
+                                      (2.0 * pi));
+  if (std::isfinite(choice.error) && !choice.channel.empty()) {
+    std::string unit;
+    for (const MeasuredChannel& channel : record.channels) {
+      if (channel.observation.name == choice.channel) {
+        unit = UnitName(DimensionOf(channel.observation.quantity),
+                        c.problem.description.units);
+      }
+    }
+    Print("; half the step moves %s by %.2g (limit %.2g%s%s)",
+          choice.channel.c_str(), choice.error, choice.error_limit,
+          unit.empty() ? "" : " ", unit.c_str());
+  }
+  Print("\n");
+}
+
 void PrintRecords(const Case& c) {
   Print("\nRecords\n");
+  const std::string& time = c.problem.description.units.time;
   for (size_t r = 0; r < c.problem.records.size(); ++r) {
     const IdentificationRecord& record = c.problem.records[r];
-    const SubstepChoice& choice = c.substeps[r];
+    const Excitation& excitation = *record.excitation;
     Print(
-        "  %s (%s): %td samples, step %.6g s, %.4g s, %zu channels, "
-        "excitation %s%s\n",
+        "  %s (%s): %td samples, step %.6g %s, %.4g %s, %zu channels",
         record.name.c_str(),
         record.role == IdentificationRecord::Role::kTrain ? "train" : "holdout",
-        record.num_samples(), record.sampling_step(),
+        record.num_samples(), record.sampling_step(), time.c_str(),
         record.sampling_step() * static_cast<double>(record.num_samples() - 1),
-        record.channels.size(),
-        c.problem.IsDriven(record)
-            ? InterpolationName(record.excitation->interpolation())
-            : "none",
-        record.excitation->periodic() ? ", periodic" : "");
-    if (choice.integrator == Integrator::kExact) {
-      Print("    integrated exactly; fastest mode %.4g rad/s",
-            choice.stability.largest_eigenvalue);
-    } else if (choice.integrator == Integrator::kExponential) {
-      Print("    exponential steps, %d a sample%s; fastest mode %.4g rad/s",
-            record.exponential_steps,
-            record.substeps_chosen ? " (chosen)" : " (given)",
-            choice.stability.largest_eigenvalue);
+        time.c_str(), record.channels.size());
+    if (excitation.samples().isZero(0.0)) {
+      Print(", no excitation");
     } else {
-      Print(
-          "    Runge-Kutta steps, %d a sample%s; fastest mode %.4g rad/s, "
-          "growth %.6f",
-          record.substeps, record.substeps_chosen ? " (chosen)" : " (given)",
-          choice.stability.largest_eigenvalue, choice.stability.growth);
+      Print(", excitation %s between samples",
+            InterpolationName(excitation.interpolation()));
     }
-    if (std::isfinite(choice.error) && !choice.channel.empty()) {
-      Print("; halving the step moves %s by %.2g (limit %.2g)",
-            choice.channel.c_str(), choice.error, choice.error_limit);
-    }
-    Print("\n");
+    Print("%s\n", excitation.periodic() ? ", periodic" : "");
+    PrintSteps(c, record, c.substeps[r]);
     for (const std::string& remark : record.description.remarks) {
       Print("    %s\n", remark.c_str());
     }
@@ -197,12 +221,13 @@ void PrintInputs(const Case& c, const AmbientRecord& record) {
 void PrintAmbientRecords(const Case& c) {
   if (c.problem.ambient.empty()) return;
   Print("\nRecords of unmeasured loads\n");
+  const std::string& time = c.problem.description.units.time;
   for (const AmbientRecord& record : c.problem.ambient) {
-    Print("  %s: %ld samples, step %.6g s, %.4g s, %zu channels\n",
+    Print("  %s: %ld samples, step %.6g %s, %.4g %s, %zu channels\n",
           record.name.c_str(), static_cast<long>(record.samples.cols()),
-          record.sampling_step,
+          record.sampling_step, time.c_str(),
           record.sampling_step * static_cast<double>(record.samples.cols() - 1),
-          record.channels.size());
+          time.c_str(), record.channels.size());
     if (record.inputs.has_value()) PrintInputs(c, record);
   }
 }
@@ -258,17 +283,28 @@ void PrintAssessment(const CaseCheck& check) {
     return;
   }
   const ProblemAssessment& assessment = check.assessment;
-  Print("\nSizes: %d free parameters, %td residuals, %d unknown start states\n",
-        assessment.num_free, assessment.num_residuals, assessment.num_starts);
+  Print("\nSizes: %d free parameters", assessment.num_free);
+  // Ambient records and modes have no residuals in time.
+  if (assessment.num_residuals > 0) {
+    Print(", %td residuals", assessment.num_residuals);
+  }
+  if (assessment.num_starts > 0) {
+    Print(", %d unknown start states", assessment.num_starts);
+  }
+  Print("\n");
   if (!assessment.expected.empty()) {
     Print(
         "\nExpected 95 %% uncertainty at the initial values (noise as given, "
         "otherwise 5 %%)\n");
     for (const auto& expected : assessment.expected) {
-      Print("  %-24s %12.5g +- %.2g %s%s\n", expected.name.c_str(),
-            expected.initial, 1.96 * expected.sigma,
-            expected.unit == "1" ? "" : expected.unit.c_str(),
-            std::isfinite(expected.sigma) ? "" : "(not determined)");
+      const std::string unit = expected.unit == "1" ? "" : " " + expected.unit;
+      if (std::isfinite(expected.sigma)) {
+        Print("  %-24s %12.5g +- %.2g%s\n", expected.name.c_str(),
+              expected.initial, 1.96 * expected.sigma, unit.c_str());
+      } else {
+        Print("  %-24s %12.5g%s, not determined\n", expected.name.c_str(),
+              expected.initial, unit.c_str());
+      }
     }
   }
   for (const std::string& remark : assessment.remarks) {
@@ -287,7 +323,7 @@ void PrintAssessment(const CaseCheck& check) {
     Print("\nEvery named parameter is determined by the data%s.\n",
           check.confusions.empty()
               ? ""
-              : ", if the case is right about the errors above");
+              : ", if the case has none of the errors above");
   }
 }
 
@@ -306,6 +342,7 @@ void PrintCaseCheck(const Case& c, const CaseCheck& check) {
   PrintQuestions(check);
   PrintCandidates(c);
   PrintMeasuredModes(c, check);
+  if (!c.problem.description.remarks.empty()) Print("\nRemarks\n");
   for (const std::string& remark : c.problem.description.remarks) {
     Print("  %s\n", remark.c_str());
   }

@@ -117,12 +117,12 @@ std::vector<std::string> ConfusionsBeforeFit(
       most = std::max(most, std::abs(change));
     }
     sentences.push_back(
-        "These records cannot tell " +
+        "The records do not separate " +
         suspect.what.substr(0, suspect.what.find(" (")) + " from " +
-        ListOf(confusion.names) + ": an error of " +
-        FormatNumber(suspect.usual, 2) + " changes " +
+        ListOf(confusion.names) + ". An error of " +
+        FormatNumber(suspect.usual, 2) + " in the first changes " +
         (confusion.names.size() == 1 ? "that parameter" : "those parameters") +
-        " by up to " + FormatNumber(most, 2) + " without any visible effect.");
+        " by up to " + FormatNumber(most, 2) + ", and no record shows it.");
   }
   return sentences;
 }

@@ -280,7 +280,7 @@ TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
   // An error of the mass is what the problem looks for.
   EXPECT_THAT(ConfusionsBeforeFit(problem, options),
               ::testing::Not(::testing::Contains(
-                  ::testing::HasSubstr("cannot tell all masses"))));
+                  ::testing::HasSubstr("do not separate all masses"))));
 }
 
 TEST(ScoreSuspects, PromisesWhatARefitGains) {
