@@ -35,7 +35,8 @@ bool ReadFitFlags(SharedTables* tables, Case* c, std::string* error) {
     return false;
   }
   if (FLAGS_threads < 0) {
-    *error = "--threads must not be negative";
+    *error = "--threads is " + std::to_string(FLAGS_threads) +
+             ", expected a number of threads, or 0 for that of the case";
     return false;
   }
   if (!CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, FLAGS_resume,

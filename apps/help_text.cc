@@ -117,8 +117,9 @@ std::string HelpText(const std::string& usage) {
   }
   return text +
          "\nExit status:\n"
-         "0 done; 1 the result is not usable; 2 wrong input or usage;\n"
-         "3 interrupted, the best result so far is written.\n";
+         "0 done; 1 the result is not usable, or cannot be written;\n"
+         "2 wrong input or usage; 3 interrupted, the best result so far is\n"
+         "written.\n";
 }
 
 std::string VersionText(const std::string& command) {

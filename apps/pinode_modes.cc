@@ -53,9 +53,10 @@ DEFINE_string(
     "real and imaginary part or magnitude and phase");
 DEFINE_string(frf_responses, "",
               "with --frf: places of the responses, separated by commas; one "
-              "for all or one for each; empty: as the files have them");
+              "for all or one for each; empty: those that the files state");
 DEFINE_string(frf_references, "",
-              "with --frf: places of the forces, in the same way");
+              "with --frf: places of the forces, separated by commas; one for "
+              "all or one for each; empty: those that the files state");
 DEFINE_string(frf_quantity, "",
               "with --frf: acceleration, velocity or displacement per force, "
               "if the files do not state it");

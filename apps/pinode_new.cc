@@ -88,8 +88,8 @@ DEFINE_string(base_direction, "",
               "direction of the measured base motion in the deck: x, y or z");
 DEFINE_string(ignore, "", "columns to leave out, separated by commas");
 DEFINE_string(unit, "",
-              "unit of the columns, if the files do not state it: m/s^2 mm/s^2 "
-              "g mg gal ...");
+              "unit of the columns, if the files do not state it, such as "
+              "m/s^2, mm/s^2, g, mg or gal");
 DEFINE_string(time, "",
               "column of the time; empty: found by its name or clock times");
 DEFINE_string(time_unit, "", "unit of the times, if the files do not state it");

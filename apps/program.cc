@@ -103,6 +103,13 @@ std::string FlagName(const std::string& argument, std::string* value,
   return name;
 }
 
+// Values of a flag of gflags' type, for messages.
+std::string ValuesOf(const std::string& type) {
+  if (type == "bool") return "true or false";
+  if (type == "double") return "a number";
+  return "a whole number";
+}
+
 }  // namespace
 
 bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
@@ -120,7 +127,11 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
         files->push_back(argument);
         continue;
       }
-      Refuse("'" + argument + "' is not a flag; see --help");
+      gflags::CommandLineFlagInfo info;
+      Refuse("'" + argument + "' is not a flag; " +
+             (gflags::GetCommandLineFlagInfo("case", &info)
+                  ? "write --case=" + argument + ", or see --help"
+                  : "see --help"));
       return false;
     }
     std::string value;
@@ -164,8 +175,8 @@ bool ParseFlags(int argc, char** argv, const std::string& usage, int* status,
       value = argv[++i];
     }
     if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
-      Refuse("flag '--" + name + "': '" + value + "' is not a value of type " +
-             info.type);
+      Refuse("flag '--" + name + "' is '" + value + "', expected " +
+             ValuesOf(info.type));
       return false;
     }
   }

@@ -90,6 +90,19 @@ const Unit* FindUnitByAnyName(const std::string& name) {
   return unit != nullptr ? unit : FindUnit(CanonicalUnit(name));
 }
 
+// Units for a message: those of a dimension without lengths per millisecond and
+// the like, which are many and rare.
+std::vector<std::string> UsualUnits(Dimension dimension) {
+  std::vector<std::string> names;
+  for (const std::string& name : KnownUnits(dimension)) {
+    const size_t slash = name.find('/');
+    if (slash == std::string::npos || name[slash + 1] == 's') {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
 bool CheckUnit(const std::string& unit, Dimension dimension,
                const Unit** found_unit, std::string* error) {
   const Unit* found = FindUnitByAnyName(unit);
@@ -101,7 +114,7 @@ bool CheckUnit(const std::string& unit, Dimension dimension,
     *error = "unit '" + unit + "' is that of " +
              DimensionName(found->dimension) + ", expected that of " +
              DimensionName(dimension) + " (" +
-             Join(KnownUnits(dimension), ", ") + ")";
+             Join(UsualUnits(dimension), ", ") + ")";
   } else {
     *error = "unit '" + unit + "' is not known, expected that of " +
              DimensionName(dimension) + NameHint(unit, KnownUnits(dimension));

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
 #include "pinode/estimate/certainty/covariance.h"
 
 namespace pinode {
@@ -278,11 +279,13 @@ bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
 
 bool ChangeOptions::IsValid(std::string* error) const {
   if (!(threshold >= 0.0 && threshold < 1.0)) {
-    *error = "threshold must be at least 0 and less than 1";
+    *error = "threshold is " + FormatNumber(threshold) +
+             ", expected a fraction from 0 to below 1, such as 0.05 for 5 %";
     return false;
   }
   if (!(false_alarm_rate > 0.0 && false_alarm_rate < 1.0)) {
-    *error = "false_alarm_rate must be between 0 and 1";
+    *error = "false_alarm_rate is " + FormatNumber(false_alarm_rate) +
+             ", expected a probability between 0 and 1, such as 0.05";
     return false;
   }
   if (num_draws < 1000) {

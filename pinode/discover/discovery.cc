@@ -107,7 +107,8 @@ bool CheckOptions(const StructuralDynamics& dynamics,
   if (!options.IsValid(error)) return false;
   if (dynamics.networks().empty()) {
     *error =
-        "the model has no network; a network must say where to look for terms";
+        "the model has no network. Terms are looked for where a network acts: "
+        "add one at the DOFs that the unknown law may act on";
     return false;
   }
   for (const DiscoveryOptions::Output& output : options.outputs) {

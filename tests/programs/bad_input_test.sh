@@ -294,10 +294,14 @@ Fresh
 for program in pinode_check pinode_update pinode_simulate; do
   Refused "unknown flag" "'--cases'.*did you mean '--case'" $program \
     --cases="$case"
-  Refused "stray argument" "'$case'" $program "$case"
+  Refused "stray argument" "'$case' is not a flag; write --case=$case" \
+    $program "$case"
 done
 arguments=(--case="$case" --output_dir="$output")
-Refused "text for a number" "'--threads'.*'many'" pinode_update \
+Refused "records for a case" 'not valid TOML; .*pinode_new drafts a case' \
+  pinode_check --case="$input/train.csv"
+Refused "text for a number" "'--threads' is 'many', expected a whole" \
+  pinode_update \
   "${arguments[@]}" --threads=many
 Refused "too few threads" '--threads' pinode_update "${arguments[@]}" \
   --threads=-1

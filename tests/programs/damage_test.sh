@@ -156,12 +156,12 @@ mv away.csv train.csv
 Refused "--baseline=FOLDER is missing" --case=damaged.toml --output_dir=E
 Refused "--case=FILE is missing" --baseline=D --output_dir=E
 Refused "--output_dir=FOLDER is missing" --baseline=D --case=damaged.toml
-Refused "nowhere/result.json" --baseline=nowhere --case=damaged.toml \
+Refused "nowhere: there is no such folder" --baseline=nowhere --case=damaged.toml \
   --output_dir=E
 Refused "empty name" --baseline=D, --case=damaged.toml --output_dir=E
-Refused "--threshold must be" --baseline=D --case=damaged.toml --output_dir=E \
+Refused "--threshold is" --baseline=D --case=damaged.toml --output_dir=E \
   --threshold=2
-Refused "--false_alarm_rate must be" --baseline=D --case=damaged.toml \
+Refused "--false_alarm_rate is 0, expected" --baseline=D --case=damaged.toml \
   --output_dir=E --false_alarm_rate=0
 sed -e 's/2000, 2000, 2000/2000, 2000, 2001/' damaged.toml >heavier.toml
 Refused "M.mtx: cannot be the updated matrix" --baseline=D \

@@ -36,7 +36,7 @@ Refused "checkpoint.json" --model=D --case=scheme2.toml --output_dir=E
 Refused "give another folder" --model=D --case=scheme3.toml --output_dir=D \
   --overwrite
 Refused "which uses no model" --model=D --case=quarter_car.toml --output_dir=E
-Refused "--threads must not be negative" --model=D --case=scheme3.toml \
+Refused "--threads is -1, expected a number of threads" --model=D --case=scheme3.toml \
   --output_dir=E --threads=-1
 # A network that has to be trained, and a DOF that no displacement shows.
 sed 's/"derivatives"/"network"/' quarter_car.toml >untrained.toml

@@ -387,6 +387,15 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   const auto path = [&folder](const std::string& name) {
     return (std::filesystem::path(folder) / name).string();
   };
+  std::error_code unused;
+  if (!std::filesystem::exists(path("result.json"), unused)) {
+    *error = folder +
+             (std::filesystem::is_directory(folder, unused)
+                  ? ": has no result.json"
+                  : ": there is no such folder") +
+             ", expected the result folder of a fit by pinode_update";
+    return false;
+  }
   Result result;
   if (!ReadResult(path("result.json"), &result, error)) return false;
 

@@ -1,8 +1,10 @@
 #include "pinode/case/sections/case_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -347,8 +349,19 @@ class CaseReader {
 bool ReadSourceTree(const std::string& path, TomlValue* source,
                     std::string* error) {
   std::string text;
-  return ReadTextFile(path, &text, error) &&
-         ParseToml(text, path, source, error);
+  if (ReadTextFile(path, &text, error) &&
+      ParseToml(text, path, source, error)) {
+    return true;
+  }
+  // A file of records in place of a case is a common slip.
+  std::error_code unused;
+  if (std::filesystem::path(path).extension() != ".toml" &&
+      std::filesystem::is_regular_file(path, unused)) {
+    *error += ". A case is a TOML file. If this is a file of records, "
+              "pinode_new drafts a case from it, and pinode_modes takes it "
+              "with --columns=all";
+  }
+  return false;
 }
 
 bool Read(const std::string& path, CasePurpose purpose, Case* result,

@@ -300,8 +300,12 @@ bool ParseToml(const std::string& text, const std::string& path,
     *root = Convert(toml::parse(std::string_view(text)));
     return true;
   } catch (const toml::parse_error& failure) {
-    *error = path + ":" + std::to_string(LineOf(failure.source())) + ": " +
-             std::string(failure.description()) + ", expected valid TOML";
+    // Without the words that every message of the library begins with.
+    const std::string begin = "Error while parsing ";
+    std::string what(failure.description());
+    if (what.rfind(begin, 0) == 0) what = what.substr(begin.size());
+    *error = path + ":" + std::to_string(LineOf(failure.source())) +
+             ": not valid TOML; " + what;
     return false;
   }
 }
