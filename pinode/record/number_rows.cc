@@ -1,6 +1,9 @@
 #include "pinode/record/number_rows.h"
 
 #include <cstdint>
+#include <string>
+
+#include "pinode/base/file_text.h"
 
 namespace pinode {
 namespace {
@@ -21,6 +24,22 @@ bool IsBlankOf(char c, char delimiter) {
 }
 
 }  // namespace
+
+bool IsMissing(std::string_view cell) {
+  if (cell.empty()) return true;
+  if (cell.size() > 8) return false;
+  if (cell.find_first_not_of('-') == std::string_view::npos) {
+    return cell.size() <= 4;
+  }
+  const std::string lower = LowerCase(cell);
+  // The longest are those of programs by Microsoft's compiler.
+  for (const char* name :
+       {"nan", "-nan", "na", "n/a", "n.a.", "#n/a", "null", "none", "1.#qnan",
+        "-1.#qnan", "1.#ind", "-1.#ind"}) {
+    if (lower == name) return true;
+  }
+  return false;
+}
 
 const char* ParseSimpleNumber(const char* at, const char* end, char decimal,
                               double* value) {

@@ -10,6 +10,10 @@
 
 namespace pinode {
 
+// True for the ways in which a missing value is written: an empty cell, nan,
+// NA, null, 1.#QNAN, hyphens. The cell has no blanks around it.
+bool IsMissing(std::string_view cell);
+
 // Parses a number such as -12.345 at the beginning of [at, end): sign, digits
 // and decimal sign, at most 19 digits and no exponent. Returns the end of the
 // number. Returns null for any other text, and for the few numbers whose

@@ -311,7 +311,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
     for (size_t j = 0; j < positions.size(); ++j) {
       const std::string& cell = rows.cells()[positions[j]];
       double value = std::numeric_limits<double>::quiet_NaN();
-      if (!StripBlanks(cell).empty() && !ParseDouble(cell, &value)) {
+      if (!IsMissing(StripBlanks(cell)) && !ParseDouble(cell, &value)) {
         *error = where + "column '" + result.columns[j] +
                  "': " + BadCellMessage(cell);
         return false;

@@ -57,7 +57,7 @@ char CsvDelimiter(std::string_view text);
 // semicolon or comma. Cells may be quoted ("..."; a quote inside is doubled).
 // Blank lines, lines that begin with '#', a byte order mark and all kinds of
 // line ends are accepted. Numbers have a decimal point (see ParseDouble()). An
-// empty cell or "nan" is a missing value.
+// empty cell or another one by IsMissing() is a missing value.
 //
 // Only the columns in `wanted` are kept, in that order (a repeated name is kept
 // once). Text or infinite numbers in other columns are ignored. An empty

@@ -205,6 +205,20 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   format.time_unit = options.time_unit;
   TextOutline outline;
   if (!ReadTextOutline(path, format, &outline, error)) return false;
+  if (outline.second_clock >= 0) {
+    const auto name = [&outline](int column) {
+      return outline.columns[static_cast<size_t>(column)];
+    };
+    const TextColumn second = name(outline.second_clock);
+    if (!Contains(options.ignored, second)) {
+      *error = path + ": the times of '" + name(outline.time_column).name +
+               "' and '" + second.name +
+               "' differ, and a column may belong to either. Leave out one of "
+               "them and its columns, by --ignore=" +
+               second.name + ",COLUMN,...";
+      return false;
+    }
+  }
   std::vector<std::string> wanted;
   const bool needs_time = options.sampling_rate_hz == 0.0;
   if (needs_time) {

@@ -357,9 +357,10 @@ bool ReadSourceTree(const std::string& path, TomlValue* source,
   std::error_code unused;
   if (std::filesystem::path(path).extension() != ".toml" &&
       std::filesystem::is_regular_file(path, unused)) {
-    *error += ". A case is a TOML file. If this is a file of records, "
-              "pinode_new drafts a case from it, and pinode_modes takes it "
-              "with --columns=all";
+    *error +=
+        ". A case is a TOML file. If this is a file of records, "
+        "pinode_new drafts a case from it, and pinode_modes takes it "
+        "with --columns=all";
   }
   return false;
 }

@@ -425,9 +425,19 @@ class DataFileReader {
         "'time', clock times, the name of the time column, or a sampling rate");
   }
 
+  const std::string& NameOf(int column) const {
+    return outline_.columns[static_cast<size_t>(column)].name;
+  }
+
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
     columns_.clear();
+    if (outline_.second_clock >= 0) {
+      return Fail("the times of '" + NameOf(outline_.time_column) + "' and '" +
+                  NameOf(outline_.second_clock) +
+                  "' differ, and a column may belong to either; expected the "
+                  "time and the columns of one of them");
+    }
     std::vector<std::string> texts, times;
     for (size_t i = 0; i < outline_.columns.size(); ++i) {
       const std::string& name = outline_.columns[i].name;

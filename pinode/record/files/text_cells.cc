@@ -5,6 +5,7 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/record/files/text_layout.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {
@@ -76,17 +77,6 @@ bool SplitCells(std::string_view line, char delimiter,
     cells->push_back(StripBlanks(line.substr(at, end - at)));
     at = end + 1;
   }
-}
-
-bool IsMissing(std::string_view cell) {
-  if (cell.empty()) return true;
-  if (cell.size() > 4) return false;
-  if (cell.find_first_not_of('-') == std::string_view::npos) return true;
-  const std::string lower = LowerCase(cell);
-  for (const char* name : {"nan", "na", "n/a", "#n/a", "null", "none"}) {
-    if (lower == name) return true;
-  }
-  return false;
 }
 
 bool ParseCell(std::string_view cell, char decimal, double* value) {

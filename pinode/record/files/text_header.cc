@@ -6,6 +6,7 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {
@@ -139,6 +140,19 @@ class HeaderFinder {
     return cells->size() == n;
   }
 
+  // True for what is written like a value: a clock time, or a number of a form
+  // that is not read, such as "1'234.5".
+  static bool MayBeValue(const std::string& cell) {
+    constexpr const char* kMinusSign = "\u2212";
+    const size_t begin = cell.rfind(kMinusSign, 0) == 0 ? 3 : 0;
+    return begin < cell.size() &&
+           std::string("0123456789+-(").find(cell[begin]) !=
+               std::string::npos &&
+           cell.find_first_not_of("0123456789+-().,:/' TZDEde", begin) ==
+               std::string::npos &&
+           cell.find_first_of("0123456789") != std::string::npos;
+  }
+
   // True for texts, most of all. Numbers may be names beside them if they count
   // channels: "t,1,2,3".
   static bool AreNames(const std::vector<std::string>& cells) {
@@ -154,7 +168,7 @@ class HeaderFinder {
         count = count && texts > 0 &&
                 (last < 0.0 ? number <= 1.0 : number == last + 1.0);
         last = number;
-      } else {
+      } else if (!MayBeValue(cell)) {
         ++texts;
       }
     }
@@ -195,7 +209,10 @@ class HeaderFinder {
     size_t numbers = 0;
     double number = 0.0;
     for (const std::string& cell : cells) {
-      if (!IsMissing(cell) && ParseCell(cell, run.decimal, &number)) ++numbers;
+      if (!IsMissing(cell) &&
+          (ParseCell(cell, run.decimal, &number) || MayBeValue(cell))) {
+        ++numbers;
+      }
     }
     return numbers > 0 && format_.header_lines < 0;
   }

@@ -35,6 +35,7 @@ class LayoutFinder {
   bool Find() {
     lines_ = FirstLines(text_, kMostLines + static_cast<size_t>(std::max(
                                                 format_.header_lines, 0)));
+    SkipDelimiterLine();
     if (format_.header_lines > static_cast<int>(lines_.size())) {
       return Fail(0, "has fewer lines than `header_lines` says");
     }
@@ -46,6 +47,15 @@ class LayoutFinder {
   }
 
  private:
+  // Skips the first line "sep=;", which is for spreadsheets.
+  void SkipDelimiterLine() {
+    if (lines_.empty() || format_.header_lines >= 0) return;
+    const std::string_view line = StripBlanks(lines_[0].text);
+    if (line.size() > 5 || line.substr(0, 4) != "sep=") return;
+    lines_.erase(lines_.begin());
+    has_delimiter_line_ = true;
+  }
+
   bool Fail(int64_t line, const std::string& message) {
     *error_ = path_ + (line > 0 ? ":" + std::to_string(line) : std::string()) +
               ": " + message;
@@ -348,7 +358,12 @@ class LayoutFinder {
       SplitUnitOfName(names[i], &column.short_name, &column.unit);
       if (header_.has_units) {
         const std::string unit = UnitOfCell(header_.unit_cells[i]);
-        if (!unit.empty()) column.unit = unit;
+        if (!unit.empty() && !column.unit.empty() && unit != column.unit) {
+          layout_->doubtful_units.push_back(column.name);
+          column.unit.clear();
+        } else if (!unit.empty()) {
+          column.unit = unit;
+        }
       }
       if (column.name.empty()) {
         column.name = "column_" + std::to_string(i + 1);
@@ -370,8 +385,9 @@ class LayoutFinder {
 
   bool IsPlain() const {
     if (!header_.found || header_.in_comment || header_.has_units ||
-        run_.decimal != '.' || layout_->is_decimal_open ||
-        format_.header_lines >= 0 || !format_.time_format.empty()) {
+        has_delimiter_line_ || run_.decimal != '.' ||
+        layout_->is_decimal_open || format_.header_lines >= 0 ||
+        !format_.time_format.empty()) {
       return false;
     }
     for (size_t i = 0; i < header_.names; ++i) {
@@ -401,6 +417,7 @@ class LayoutFinder {
   TextLayout* layout_;
   std::string* error_;
   std::vector<TextLine> lines_;
+  bool has_delimiter_line_ = false;
   std::vector<RowRun> runs_;
   // Delimiters with which the rows that were looked at have no decimal sign.
   std::string open_decimals_;

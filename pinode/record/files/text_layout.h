@@ -42,6 +42,9 @@ struct TextLayout {
   int64_t names_line = 0;
   int64_t units_line = 0;
   std::vector<TextColumn> columns;
+  // Names of columns whose unit in the name is not that of the row of units.
+  // Both may be wrong, so these columns have none.
+  std::vector<std::string> doubtful_units;
   // Cells of a row. Those beyond the columns are empty.
   size_t num_cells = 0;
   // True if the file is what ParseCsvTable reads: a header line of unique
@@ -64,10 +67,6 @@ struct TextLayout {
 // exponents. NaN for a missing value, see IsMissing(). False for other text.
 [[nodiscard]] bool ParseCell(std::string_view cell, char decimal,
                              double* value);
-
-// True for the ways in which a missing value is written: an empty cell, nan,
-// NA, null, hyphens.
-bool IsMissing(std::string_view cell);
 
 // True for a line that is no row: blank, or beginning with '#'.
 bool IsNoRow(std::string_view line);

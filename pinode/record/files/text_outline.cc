@@ -9,9 +9,11 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/text_encoding.h"
+#include "pinode/base/unit_names.h"
 #include "pinode/record/files/text_rows.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {
@@ -92,6 +94,68 @@ bool RiseEvenly(const Eigen::Ref<const Vector>& values, double* step) {
   return true;
 }
 
+// Name of a time without the number that tells it from others: "t" of "t2",
+// "time" of "Time[2]". Empty: the name is none of a time.
+std::string BaseOfTime(const TextColumn& column) {
+  std::string name = LowerCase(column.short_name);
+  if (!name.empty() && name.back() == ']') name.resize(name.rfind('['));
+  std::string unused;
+  std::string plain;
+  SplitUnitOfName(name, &plain, &unused);
+  const size_t end = plain.find_last_not_of("0123456789");
+  if (end == std::string::npos) return "";
+  plain.resize(end + 1);
+  plain.resize(plain.find_last_not_of(" _-.#") + 1);
+  return IsTimeName(plain) ? plain : "";
+}
+
+// True if two columns have other cells in one of the first rows.
+bool Differ(const std::string& text, const TextLayout& layout, int first,
+            int second) {
+  constexpr int kMostRows = 200;
+  std::vector<std::string_view> cells;
+  std::vector<std::string> storage;
+  size_t at = layout.first_row;
+  for (int row = 0; row < kMostRows && at < text.size(); ++row) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    if (IsNoRow(line) ||
+        !SplitCells(line, layout.delimiter, &cells, &storage) ||
+        cells.size() <= static_cast<size_t>(std::max(first, second))) {
+      continue;
+    }
+    const std::string_view a = cells[static_cast<size_t>(first)];
+    const std::string_view b = cells[static_cast<size_t>(second)];
+    if (a != b && !IsMissing(a) && !IsMissing(b)) return true;
+  }
+  return false;
+}
+
+// Finds a second clock beside the time of an outline: a column of the same name
+// but for a number, with other times.
+void FindSecondClock(const std::string& text, const TextLayout& layout,
+                     const Matrix& rows, TextOutline* outline) {
+  const size_t time = static_cast<size_t>(outline->time_column);
+  const std::string base = BaseOfTime(outline->columns[time]);
+  if (base.empty()) return;
+  for (size_t i = 0; i < outline->columns.size(); ++i) {
+    const TextColumn& column = outline->columns[i];
+    const int place = static_cast<int>(i);
+    double step = 0.0;
+    // Temperatures may be called T1 and T2.
+    const bool is_clock = column.kind == CellKind::kNumber
+                              ? RiseEvenly(rows.col(place), &step)
+                              : column.kind == outline->columns[time].kind;
+    if (i == time || !is_clock || BaseOfTime(column) != base) continue;
+    outline->is_channel[i] = false;
+    if (outline->second_clock < 0 &&
+        Differ(text, layout, outline->time_column, place)) {
+      outline->second_clock = place;
+    }
+  }
+}
+
 TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
                       const TextFormat& format) {
   TextOutline outline;
@@ -110,13 +174,14 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     if (is_number && RiseEvenly(rows.col(place), &step)) {
       const bool whole = std::floor(rows(1, place)) == rows(1, place) &&
                          std::floor(rows(0, place)) == rows(0, place);
+      // Ticks since 1970 are told by their size.
+      const bool are_ticks = rows(0, place) > kLeastTicks;
       // Row numbers, and an unknown first column that rises evenly.
       if (whole && step == 1.0) {
         is_channel = false;
-        if (place == first) ++first;
+        const bool is_time = are_ticks || IsTimeName(column.short_name);
+        if (place == first && !is_time) ++first;
       }
-      // Ticks since 1970 are told by their size.
-      const bool are_ticks = rows(0, place) > kLeastTicks;
       if (place == first || are_ticks) {
         is_channel = false;
         const bool is_known = !whole || are_ticks;
@@ -142,6 +207,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       outline.is_channel[i] = false;
     }
   }
+  FindSecondClock(text, layout, rows, &outline);
   return outline;
 }
 

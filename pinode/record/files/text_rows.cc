@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pinode/record/files/clock.h"
+#include "pinode/record/number_rows.h"
 
 namespace pinode {
 namespace {

@@ -99,6 +99,10 @@ class TextTableReader {
       text += ", units in line " + std::to_string(layout_.units_line);
     }
     text += ", first row in line " + std::to_string(layout_.first_row_line);
+    if (!layout_.doubtful_units.empty()) {
+      text += ", no unit for '" + Join(layout_.doubtful_units, "', '") +
+              "': the name and the row of units differ";
+    }
     said_ = said_.empty() ? text : said_ + ", " + text;
   }
 

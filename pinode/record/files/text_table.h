@@ -45,7 +45,11 @@ struct TextOutline {
   std::vector<TextColumn> columns;
   // Column that is the time by its name or contents, or -1.
   int time_column = -1;
-  // Columns that are no channels: the time and its parts, row numbers, texts.
+  // Another time column that differs from the first, such as `t2` beside `t1`;
+  // -1: none. The channels may then belong to either clock.
+  int second_clock = -1;
+  // True for channels: columns that are not the time or a part of it, another
+  // time, row numbers or texts.
   std::vector<bool> is_channel;
 };
 

@@ -358,6 +358,83 @@ TEST(TextTableTest, LoggersOfTheMeasuredData) {
   }
 }
 
+// A name and a row of units that contradict each other: neither is believed.
+TEST(TextTableTest, ContradictingUnitsAreNone) {
+  const Table table =
+      ParseText("t [s];a [mg];b [g]\n[s];[V];[g]\n0,0;1,5;2,5\n0,1;2,5;3,5\n",
+                WithTime("t [s]"));
+  EXPECT_THAT(table.units, ElementsAre("s", "", "g"));
+  EXPECT_THAT(table.reading, HasSubstr("no unit for 'a [mg]'"));
+}
+
+// The delimiter for spreadsheets in the first line is no name.
+TEST(TextTableTest, FirstLineForSpreadsheets) {
+  for (const char delimiter : {';', ',', '\t'}) {
+    std::string text = "sep=;\nt;a\n0;1.5\n0.1;2.5\n0.2;3.5\n";
+    std::replace(text.begin(), text.end(), ';', delimiter);
+    const Table table = ParseText(text, WithTime("t"));
+    EXPECT_THAT(table.columns, ElementsAre("t", "a"));
+    ASSERT_EQ(table.num_rows(), 3);
+    EXPECT_EQ(table.values(2, 1), 3.5);
+  }
+}
+
+// Rows with numbers that cannot be read are no names for the rows below them.
+TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
+  EXPECT_THAT(ErrorOf("a;b\n1'200.5;2'300.5\n1'300.5;2'400.5\n900.5;800.5\n"
+                      "901.5;802.5\n902.5;803.5\n"),
+              HasSubstr("'1'200.5' is not a number"));
+}
+
+TEST(TextTableTest, MissingValuesOfOldPrograms) {
+  const Table table =
+      ParseText("t;a\n0;1.5\n0.1;1.#QNAN\n0.2;-1.#IND\n0.3;n.a.\n0.4;2\n");
+  ASSERT_EQ(table.num_rows(), 5);
+  for (const int i : {1, 2, 3}) EXPECT_TRUE(std::isnan(table.values(i, 1)));
+  EXPECT_EQ(table.values(4, 1), 2.0);
+}
+
+TextOutline OutlineOf(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "outline.csv";
+  std::ofstream(path) << text;
+  TextOutline outline;
+  std::string error;
+  EXPECT_TRUE(ReadTextOutline(path, {}, &outline, &error)) << error;
+  return outline;
+}
+
+// Two loggers side by side: which channel is whose, the file does not say.
+TEST(TextOutlineTest, SecondClock) {
+  const std::string rows = "0;1;5.1;3\n0.1;2;5.2;1\n0.2;0;5.3;2\n0.3;4;5.4;9\n";
+  for (const char* names :
+       {"t1;a;t2;b\n", "Time [s];a;Time [s];b\n", "Zeit 1;a;Zeit 2;b\n"}) {
+    const TextOutline outline = OutlineOf(names + rows);
+    EXPECT_EQ(outline.time_column, 0) << names;
+    EXPECT_EQ(outline.second_clock, 2) << names;
+    EXPECT_THAT(outline.is_channel, ElementsAre(false, true, false, true));
+  }
+  // The same times twice are one clock, and temperatures are none.
+  const TextOutline same =
+      OutlineOf("t1;a;t2;b\n0;1;0;3\n0.1;2;0.1;1\n0.2;0;0.2;2\n");
+  EXPECT_EQ(same.second_clock, -1);
+  EXPECT_THAT(same.is_channel, ElementsAre(false, true, false, true));
+  const TextOutline warm =
+      OutlineOf("t;a;T1;T2\n0;1;20.1;19\n0.1;2;20.1;18\n0.2;0;20.3;18\n");
+  EXPECT_EQ(warm.second_clock, -1);
+  EXPECT_THAT(warm.is_channel, ElementsAre(false, true, true, true));
+}
+
+// A channel that rises evenly beside the time is a channel.
+TEST(TextOutlineTest, RisingChannelBesideTime) {
+  const TextOutline ticks = OutlineOf(
+      "Time;a;b\n1709294400000;0.5;3\n1709294400001;1;1\n1709294400002;1.5;"
+      "2\n");
+  EXPECT_THAT(ticks.is_channel, ElementsAre(false, true, true));
+  const TextOutline ms = OutlineOf("Time [ms];a\n0;0.5\n1;1\n2;1.5\n");
+  EXPECT_EQ(ms.time_column, 0);
+  EXPECT_THAT(ms.is_channel, ElementsAre(false, true));
+}
+
 TEST(TextTableTest, GermanLoggerOfTheMeasuredData) {
   PINODE_FIND_MEASURED_DATA(folder, "faults");
   Table table;
