@@ -16,9 +16,15 @@ bool IsBrokenNumber(std::string_view cell, char delimiter) {
     return true;
   }
   constexpr std::string_view kSigns = "0123456789+-.,;:|/ \t\"";
-  return kSigns.find(cell.front()) != std::string_view::npos &&
-         cell.find_first_not_of("0123456789+-.,;:|/ \t\"eEdDTZAPM") ==
-             std::string_view::npos;
+  constexpr std::string_view kMinus = "\u2212";
+  if (kSigns.find(cell.front()) == std::string_view::npos &&
+      cell.substr(0, kMinus.size()) != kMinus) {
+    return false;
+  }
+  // Apostrophes and narrow blanks stand between thousands.
+  return cell.find_first_not_of(
+             "0123456789+-.,;:|/ \t\"'eEdDTZAPM\u2212\u2019\u00A0\u202F") ==
+         std::string_view::npos;
 }
 
 CellKind KindOf(std::string_view cell, char decimal,

@@ -381,6 +381,14 @@ TEST(TextTableTest, FirstLineForSpreadsheets) {
 
 // Rows with numbers that cannot be read are no names for the rows below them.
 TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
+  for (const char* cell : {"8'132,621", "\u22120,621", "8\u202F132,621"}) {
+    std::string text = "Sensor\n";
+    for (int i = 0; i < 20; ++i) text += std::string(cell) + "\n";
+    EXPECT_THAT(ErrorOf(text), HasSubstr("no rows of numbers were found"));
+    EXPECT_THAT(ErrorOf("t;a\n0,1;" + std::string(cell) + "\n0,2;" + cell +
+                        "\n0,3;" + cell + "\n"),
+                HasSubstr("no rows of numbers were found"));
+  }
   EXPECT_THAT(ErrorOf("a;b\n1'200.5;2'300.5\n1'300.5;2'400.5\n900.5;800.5\n"
                       "901.5;802.5\n902.5;803.5\n"),
               HasSubstr("'1'200.5' is not a number"));
