@@ -116,6 +116,21 @@ def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -
         found = " x ".join(map(str, shape)) or "no array"
         as_mass = "" if size is None else " as mass is"
         raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
+    values = np.asarray(matrix.data if hasattr(matrix, "tocsc") else as_matrix(matrix))
+    # What is not a number at all is refused with the case.
+    if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+        raise Error(f"{where}: {name} has a value that is not finite, expected numbers")
+
+
+def _check_values(where: str, name: str, values: list[Any], count: int) -> None:
+    """Raises an Error unless there are `count` positive numbers."""
+    if len(values) != count:
+        raise Error(f"{where}: {name} has {len(values)} values, expected {count}, one for each of "
+                    "masses")
+    for i, value in enumerate(values):
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not 0.0 < value < np.inf:
+            raise Error(f"{where}: {name}[{i}] is {value}, expected a positive number")
 
 
 class Model(Part):
@@ -181,10 +196,17 @@ class ShearBuilding(Part):
         dofs: Sequence[str] | None = None,
         **keys: Any,
     ) -> None:
+        of_floors = as_list(masses)
+        of_storeys = as_list(stiffnesses)
+        _check_values("ShearBuilding", "masses", of_floors, len(of_floors))
+        _check_values("ShearBuilding", "stiffnesses", of_storeys, len(of_floors))
+        if dampers is not None and len(as_list(dampers)) != len(of_floors):
+            raise Error(f"ShearBuilding: dampers has {len(as_list(dampers))} values, expected "
+                        f"{len(of_floors)}, one for each of masses")
         super().__init__(
             shear_building=Part(
-                masses=as_list(masses),
-                stiffnesses=as_list(stiffnesses),
+                masses=of_floors,
+                stiffnesses=of_storeys,
                 dampers=as_list(dampers),
             ),
             damping=damping,

@@ -31,6 +31,26 @@ def shaken():
         channels=[pinode.Channel("a", dof="u1")])])
 
 
+@pytest.mark.parametrize("call, message", [
+    (lambda: pinode.ShearBuilding([1.0, 1.0, 1.0], [100.0, 100.0]),
+     "stiffnesses has 2 values, expected 3, one for each of masses"),
+    (lambda: pinode.ShearBuilding([1.0, 1.0], [100.0, 100.0], dampers=[1.0]),
+     "dampers has 1 values, expected 2"),
+    (lambda: pinode.ShearBuilding([1.0, -1.0], [100.0, 100.0]),
+     r"masses\[1\] is -1.0, expected a positive number"),
+    (lambda: pinode.ShearBuilding([1.0, 1.0], np.array([100.0, np.nan])),
+     r"stiffnesses\[1\] is nan, expected a positive number"),
+    (lambda: pinode.ShearBuilding(["heavy", 1.0], [100.0, 100.0]), r"masses\[0\] is heavy"),
+    (lambda: pinode.Model(np.eye(2), np.array([[1.0, np.nan], [np.nan, 1.0]])),
+     "stiffness has a value that is not finite"),
+    (lambda: pinode.Model(np.eye(2), scipy.sparse.csc_matrix([[1.0, 0.0], [0.0, np.inf]])),
+     "stiffness has a value that is not finite"),
+])
+def test_values_are_refused_by_the_constructor(call, message):
+    with pytest.raises(pinode.Error, match=message):
+        call()
+
+
 @pytest.mark.parametrize("name", figures.__all__)
 def test_figures(name):
     for value in (None, 3, {}):
