@@ -70,7 +70,7 @@ TEST(LoggerFilesTest, GermanRecordIsReadAsThePlainOne) {
   const IdentificationRecord& record = c.problem.records[0];
   ExpectTheMotion(record);
   EXPECT_THAT(record.description.remarks,
-              Contains(AllOf(HasSubstr("read quake.csv"),
+              Contains(AllOf(HasSubstr("File quake.csv: "),
                              HasSubstr("decimal comma, names in line 3"),
                              HasSubstr("0 s is 2024-03-01 12:00:00"))));
 }
@@ -105,7 +105,7 @@ TEST(LoggerFilesTest, FileThatStatesItsUnitsAndClock) {
   ExpectTheMotion(record);
   EXPECT_THAT(record.description.remarks,
               Contains(HasSubstr(
-                  "read quake.lvm: LVM, 100 Hz from 2024-03-01 12:00:00")));
+                  "File quake.lvm: LVM, 100 Hz from 2024-03-01 12:00:00")));
 }
 
 TEST(LoggerFilesTest, ContradictingUnitsAreNamed) {

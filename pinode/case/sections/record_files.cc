@@ -154,7 +154,7 @@ bool RecordFiles::ReadColumns(const std::string& path,
   TimeGrid& grid = file->grid;
   const std::string name = std::filesystem::path(path).filename().string();
   if (!table.reading.empty()) {
-    remarks_.push_back("read " + name + ": " + table.reading);
+    remarks_.push_back("File " + name + ": " + table.reading);
   }
   file->time_unit =
       table.time_unit.empty() ? section_.time_unit : table.time_unit;
