@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/strings.h"
 #include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
@@ -62,6 +63,29 @@ TEST(LogFileTest, AsksForTheTimeOfArrays) {
       ReadLogFile(LogSample("arrays/y.npy"), {}, &log, &question, &error));
   EXPECT_EQ(error, "");
   EXPECT_EQ(question.flag, "time");
+}
+
+// Two loggers side by side: a floor's record must not get the other's times.
+TEST(LogFileTest, TwoClocksAreNotOne) {
+  const TemporaryFolder folder;
+  std::string text = "t1;base [g];t2;acc_1 [g]\n";
+  for (int i = 0; i < 100; ++i) {
+    const double t = 0.01 * i;
+    text += FormatNumber(t) + ";" + FormatNumber(std::sin(9.0 * t)) + ";" +
+            FormatNumber(5.37 + t) + ";" + FormatNumber(std::cos(9.0 * t)) +
+            "\n";
+  }
+  const std::string path = folder.Write("two.csv", text);
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(ReadLogFile(path, {}, &log, &question, &error));
+  EXPECT_THAT(error, HasSubstr("the times of 't1' and 't2' differ"));
+  EXPECT_THAT(error, HasSubstr("--ignore=t2"));
+  LogOptions options;
+  options.ignored = {"t2", "acc_1"};
+  ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+  EXPECT_THAT(log.ColumnNames(), ElementsAre("base"));
 }
 
 }  // namespace

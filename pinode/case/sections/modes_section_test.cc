@@ -194,6 +194,15 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
   EXPECT_EQ(c.records[0].name, "Messung_1__neu_.csv");
 
+  // Columns behind a second clock may be its own.
+  folder_.Write("two.csv",
+                "t1,a1,t2,a2\n0,1,5,3\n0.02,3,5.02,1\n0.04,2,5.04,7\n");
+  file.path = folder_.Path("two.csv");
+  file.sampling_rate_hz = 0.0;
+  EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
+  EXPECT_THAT(error, HasSubstr("the times of 't1' and 't2' differ"));
+  file.sampling_rate_hz = 50.0;
+
   // A column that is called as times are is no channel, and that is said.
   folder_.Write("both.csv",
                 "Time [s],t,a1\n0,3,1\n0.02,1,3\n0.04,2,2\n0.06,7,4\n");
