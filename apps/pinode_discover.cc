@@ -60,8 +60,8 @@ bool CheckModelFlag(const Case& c, std::string* error) {
   }
   if (c.problem.num_train_records() == 0) {
     *error = FLAGS_case +
-             ": there is no training record; add one, equations are discovered "
-             "from it";
+             ": there is no training record, and equations are discovered from "
+             "one. Add it";
     return false;
   }
   const bool from_networks =
@@ -74,6 +74,14 @@ bool CheckModelFlag(const Case& c, std::string* error) {
     *error = FLAGS_case +
              " has source = \"derivatives\", which uses no model; leave out "
              "--model";
+    return false;
+  }
+  if (!FLAGS_model.empty() &&
+      !std::filesystem::is_directory(FLAGS_model, ignored)) {
+    *error =
+        FLAGS_model +
+        ": there is no such folder, expected the result folder of a fit by "
+        "pinode_update";
     return false;
   }
   return true;

@@ -31,7 +31,8 @@ Run 0 pinode_update --case=scheme3.toml --output_dir=D --progress=false
 Refused "--model=FOLDER is missing" --case=scheme3.toml --output_dir=E
 Refused "--case=FILE is missing" --model=D --output_dir=E
 Refused "--output_dir=FOLDER is missing" --model=D --case=scheme3.toml
-Refused "checkpoint.json" --model=nowhere --case=scheme3.toml --output_dir=E
+Refused "nowhere: there is no such folder" --model=nowhere \
+  --case=scheme3.toml --output_dir=E
 Refused "checkpoint.json" --model=D --case=scheme2.toml --output_dir=E
 Refused "give another folder" --model=D --case=scheme3.toml --output_dir=D \
   --overwrite
