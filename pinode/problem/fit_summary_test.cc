@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pinode/problem/identification_summary.h"
+
 namespace pinode {
 namespace {
 
@@ -34,6 +36,25 @@ TEST(FitSummary, TiedEstimatesFollowTheirSources) {
   EXPECT_TRUE(parameters[0].at_bound);
   EXPECT_EQ(parameters[2].value, 7.0);
   EXPECT_FALSE(parameters[2].at_bound);
+}
+
+TEST(IdentificationSummary, BriefReportIsTwoSentences) {
+  IdentificationSummary summary;
+  summary.message = "no step lowers the cost";
+  summary.num_iterations = 1;
+  summary.seconds = 0.6317;
+  RecordScore score;
+  score.name = "drive";
+  score.role = IdentificationRecord::Role::kTrain;
+  score.nrmse = 0.00996639;
+  summary.records = {score};
+  score.name = "again";
+  score.role = IdentificationRecord::Role::kHoldout;
+  score.nrmse = 1.25;
+  summary.records.push_back(score);
+  EXPECT_EQ(summary.BriefReport(),
+            "not usable: no step lowers the cost after 1 iteration and 0.632 "
+            "s. Error: 'drive' (train) 0.997 %, 'again' (holdout) 125 %.");
 }
 
 }  // namespace

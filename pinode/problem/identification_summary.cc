@@ -1,6 +1,8 @@
 #include "pinode/problem/identification_summary.h"
 
-#include <sstream>
+#include <string>
+
+#include "pinode/base/strings.h"
 
 namespace pinode {
 
@@ -19,16 +21,19 @@ const char* TerminationName(Termination termination) {
 }
 
 std::string IdentificationSummary::BriefReport() const {
-  std::ostringstream text;
-  text << (usable() ? "usable" : "not usable") << ", " << message << ", "
-       << num_iterations << " iterations, " << seconds << " s";
-  for (const RecordScore& record : records) {
-    text << "; " << record.name
-         << (record.role == IdentificationRecord::Role::kTrain ? " (train)"
-                                                               : " (holdout)")
-         << " nrmse " << record.nrmse;
+  std::string text = usable() ? "usable: " : "not usable: ";
+  text += message + " after " + std::to_string(num_iterations) +
+          (num_iterations == 1 ? " iteration" : " iterations") + " and " +
+          FormatNumber(seconds, 3) + " s.";
+  for (size_t i = 0; i < records.size(); ++i) {
+    const RecordScore& record = records[i];
+    text +=
+        (i == 0 ? " Error: '" : ", '") + record.name +
+        (record.role == IdentificationRecord::Role::kTrain ? "' (train) "
+                                                           : "' (holdout) ") +
+        FormatNumber(100.0 * record.nrmse, 3) + " %";
   }
-  return text.str();
+  return text + (records.empty() ? "" : ".");
 }
 
 }  // namespace pinode

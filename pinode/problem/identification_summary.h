@@ -37,8 +37,8 @@ struct IdentificationSummary : FitSummary {
   std::vector<ParameterProfile> profiles;
   double profile_seconds = 0.0;
 
-  // Returns a short report: one line with verdict, message, iterations and
-  // gaps, then one line per parameter.
+  // Returns a line with the verdict, message, iterations and time, and the
+  // error of the simulation of each record.
   std::string BriefReport() const;
 };
 
