@@ -13,6 +13,9 @@ namespace {
 constexpr double kSameLine = 0.01;
 // Coherences are kept away from 0 and 1, where the variance has no meaning.
 constexpr double kSmallestCoherence = 1e-6;
+// Relative difference of the windows of two files that are the same: files
+// round it to six digits or more.
+constexpr double kSameWindow = 1e-5;
 
 // Removes the sign of a place. Returns it.
 double TakeSign(std::string* place) {
@@ -67,6 +70,10 @@ bool Check(const FrequencyResponse& one, const FrequencyResponse& first,
     *what = std::string("is a ") + FrfQuantityName(one.derivative) + ", but " +
             first.file + " a " + FrfQuantityName(first.derivative) +
             ", expected one quantity; give it as another set-up";
+  } else if (std::abs(one.decay_rate - first.decay_rate) >
+             kSameWindow * first.decay_rate) {
+    *what = "was measured with another exponential window than " + first.file +
+            "; give it as another set-up";
   } else if (one.response.empty() || one.reference.empty()) {
     *what =
         std::string("does not name the place of its ") +
@@ -84,6 +91,14 @@ const char* FrfQuantityName(int derivative) {
   return derivative == 0   ? "receptance"
          : derivative == 1 ? "mobility"
                            : "accelerance";
+}
+
+Matrix VariancesOfCoherence(const ComplexMatrix& values,
+                            const Matrix& coherence) {
+  const Eigen::ArrayXXd within = coherence.cwiseMax(kSmallestCoherence)
+                                     .cwiseMin(1.0 - kSmallestCoherence)
+                                     .array();
+  return values.cwiseAbs2().array() * (1.0 - within) / within;
 }
 
 bool AssembleFrequencyResponses(const std::vector<FrequencyResponse>& single,
@@ -115,10 +130,11 @@ bool AssembleFrequencyResponses(const std::vector<FrequencyResponse>& single,
     has_coherence = has_coherence && one.coherence.size() == one.values.size();
   }
   result.derivative = first.derivative;
+  result.decay_rate = first.decay_rate;
   result.frequencies_hz = first.frequencies_hz;
   const Eigen::Index pairs = result.num_responses() * result.num_references();
   result.values = ComplexMatrix::Zero(result.num_lines(), pairs);
-  if (has_coherence) result.variances = Matrix::Ones(result.num_lines(), pairs);
+  if (has_coherence) result.coherence = Matrix::Ones(result.num_lines(), pairs);
   result.files.assign(static_cast<size_t>(pairs), -1);
   for (size_t i = 0; i < single.size(); ++i) {
     const FrequencyResponse& one = single[i];
@@ -133,12 +149,10 @@ bool AssembleFrequencyResponses(const std::vector<FrequencyResponse>& single,
     }
     file = static_cast<int>(AddPlace(one.file, &files));
     result.values.col(pair) = places[i].sign * one.values;
-    if (!has_coherence) continue;
-    const Vector coherence = one.coherence.cwiseMax(kSmallestCoherence)
-                                 .cwiseMin(1.0 - kSmallestCoherence);
-    // The variance of an H1 estimate, but for the number of averages.
-    result.variances.col(pair) = one.values.cwiseAbs2().array() *
-                                 (1.0 - coherence.array()) / coherence.array();
+    if (has_coherence) result.coherence.col(pair) = one.coherence;
+  }
+  if (has_coherence) {
+    result.variances = VariancesOfCoherence(result.values, result.coherence);
   }
   for (Eigen::Index j = 0; j < pairs; ++j) {
     if (result.files[static_cast<size_t>(j)] >= 0) continue;

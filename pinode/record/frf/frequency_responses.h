@@ -23,6 +23,11 @@ struct FrequencyResponse {
   ComplexVector values;
   // Coherence of each line, from 0 to 1; empty: not measured.
   Vector coherence;
+  // One over the time constant of an exponential window on force and motion, in
+  // 1 / s. The values are (i w)^derivative times the receptance at s = i w +
+  // decay_rate, so that the window adds decay_rate to the decay of each pole
+  // and leaves residues as they are. 0: no window.
+  double decay_rate = 0.0;
 };
 
 // All FRFs of a set-up, at the same lines. Column `response + responses.size()
@@ -37,6 +42,10 @@ struct FrequencyResponses {
   // Variance of each value relative to the others of its pair, from its
   // coherence; no rows: not known.
   Matrix variances;
+  // Coherence of each value; no rows: not known.
+  Matrix coherence;
+  // Of all functions, see FrequencyResponse.
+  double decay_rate = 0.0;
   // File of each pair, as its number in a list of files.
   std::vector<int> files;
   // Assumptions made on reading, one sentence each.
@@ -53,6 +62,12 @@ struct FrequencyResponses {
     return response + num_responses() * reference;
   }
 };
+
+// Returns the variances of functions relative to each other, from their
+// coherence, both lines x pairs: |h|^2 (1 - coherence) / coherence, which is
+// that of an H1 estimate but for the number of averages.
+Matrix VariancesOfCoherence(const ComplexMatrix& values,
+                            const Matrix& coherence);
 
 // Returns "receptance", "mobility" or "accelerance".
 const char* FrfQuantityName(int derivative);

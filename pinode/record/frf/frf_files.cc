@@ -24,6 +24,7 @@ constexpr int kVelocity = 11;
 constexpr int kAcceleration = 12;
 constexpr int kReactionForce = 9;
 constexpr int kExcitationForce = 13;
+constexpr int kFrequency = 18;
 
 std::string PlaceOf(const std::string& name, int node, int direction) {
   return node != 0 || direction != 0 ? UniversalPlace(node, direction) : name;
@@ -66,6 +67,43 @@ int DerivativeOf(const UniversalFunction& f, std::string* what) {
   }
 }
 
+// Line of text that states the exponential window; see FormatFrfFile.
+constexpr char kWindowText[] = "exponential window ";
+
+// Returns one over the time constant of the window that the texts of the
+// function state, in 1 / s; 0: none.
+double DecayRateOf(const UniversalFunction& f) {
+  for (const std::string& text : f.texts) {
+    if (text.rfind(kWindowText, 0) != 0) continue;
+    double rate = 0.0;
+    const std::string number = text.substr(sizeof(kWindowText) - 1);
+    if (ParseDouble(number.substr(0, number.find(' ')), &rate) && rate > 0.0) {
+      return rate;
+    }
+  }
+  return 0.0;
+}
+
+// Places that are longer than the 10 characters of the format stand in a line
+// of text, after these.
+constexpr char kResponseText[] = "response ";
+constexpr char kReferenceText[] = "reference ";
+constexpr size_t kLongestName = 10;
+
+void SetLongName(const UniversalFunction& f, const std::string& begin,
+                 std::string* place) {
+  if (place->size() != kLongestName) return;
+  for (const std::string& text : f.texts) {
+    if (text.rfind(begin + *place, 0) == 0) *place = text.substr(begin.size());
+  }
+}
+
+// Sets name, or node and direction.
+void SetUniversalPlace(const std::string& place, std::string* name, int* node,
+                       int* direction) {
+  if (!ParseUniversalPlace(place, node, direction)) *name = place;
+}
+
 bool SamePair(const UniversalFunction& a, const UniversalFunction& b) {
   return a.response_node == b.response_node &&
          a.response_direction == b.response_direction &&
@@ -101,6 +139,9 @@ bool ReadUniversalFrfs(const std::string& path,
         PlaceOf(f.reference_name, f.reference_node, f.reference_direction);
     one.frequencies_hz = LinesOf(f);
     one.values = f.values;
+    one.decay_rate = DecayRateOf(f);
+    SetLongName(f, kResponseText, &one.response);
+    SetLongName(f, kReferenceText, &one.reference);
     for (const UniversalFunction& other : file.functions) {
       if (other.function_type == kCoherence && SamePair(f, other)) {
         one.coherence = other.values.real();
@@ -347,6 +388,55 @@ bool ReadFrfFile(const std::string& path, const FrfFileOptions& options,
   }
   for (FrequencyResponse& one : found) all->push_back(std::move(one));
   return true;
+}
+
+std::string FormatFrfFile(const FrequencyResponses& all,
+                          const std::string& unit,
+                          const std::string& force_unit) {
+  const int motions[] = {kDisplacement, kVelocity, kAcceleration};
+  UniversalFile file;
+  const bool has_coherence = all.coherence.rows() > 0;
+  for (Eigen::Index p = 0; p < all.values.cols(); ++p) {
+    UniversalFunction f;
+    f.texts[0] = FrfQuantityName(all.derivative);
+    f.function_type = kFrf;
+    f.is_complex = true;
+    f.abscissa = all.frequencies_hz;
+    f.values = all.values.col(p);
+    f.number = static_cast<int>(p) + 1;
+    f.abscissa_axis.type = kFrequency;
+    f.abscissa_axis.label = "Frequency";
+    f.abscissa_axis.unit = "Hz";
+    f.ordinate_axis.type = motions[all.derivative];
+    f.ordinate_axis.unit = unit;
+    f.denominator_axis.type = kExcitationForce;
+    f.denominator_axis.unit = force_unit;
+    if (all.decay_rate > 0.0) {
+      f.texts[3] = kWindowText + FormatNumber(all.decay_rate) + " 1/s";
+    }
+    const std::string& response =
+        all.responses[static_cast<size_t>(p % all.num_responses())];
+    const std::string& reference =
+        all.references[static_cast<size_t>(p / all.num_responses())];
+    SetUniversalPlace(response, &f.response_name, &f.response_node,
+                      &f.response_direction);
+    SetUniversalPlace(reference, &f.reference_name, &f.reference_node,
+                      &f.reference_direction);
+    if (f.response_name.size() > kLongestName) {
+      f.texts[1] = kResponseText + response;
+    }
+    if (f.reference_name.size() > kLongestName) {
+      f.texts[2] = kReferenceText + reference;
+    }
+    file.functions.push_back(f);
+    if (!has_coherence) continue;
+    f.texts[0] = "coherence";
+    f.function_type = kCoherence;
+    f.is_complex = false;
+    f.values = all.coherence.col(p).cast<Complex>();
+    file.functions.push_back(std::move(f));
+  }
+  return FormatUniversalFile(file);
 }
 
 }  // namespace pinode

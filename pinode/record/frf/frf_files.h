@@ -39,7 +39,14 @@ struct FrfFileOptions {
                                std::vector<std::string>* remarks,
                                std::string* error);
 
-// Does the same for a text in memory.
+// Returns a universal file of the functions, and of their coherence where it is
+// known, which ReadFrfFile reads. Units of motion and force are names for its
+// axes. A line of text states the exponential window.
+std::string FormatFrfFile(const FrequencyResponses& all,
+                          const std::string& unit,
+                          const std::string& force_unit);
+
+// Does the same as ReadFrfFile for a text in memory.
 [[nodiscard]] bool ParseFrfText(const std::string& text,
                                 const std::string& path,
                                 FrequencyResponse* response,

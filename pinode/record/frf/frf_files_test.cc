@@ -198,5 +198,48 @@ TEST(FrequencyResponsesTest, IncompleteSetsAreNamed) {
   EXPECT_THAT(error, HasSubstr("set responses"));
 }
 
+// Written functions come back with places of any length, coherence and window.
+TEST(FrfFilesTest, WrittenFunctionsAreReadBack) {
+  FrequencyResponses all;
+  all.responses = {"12:-x", "deck_north_east_z"};
+  all.references = {"deck_north_east_y"};
+  all.derivative = 1;
+  all.decay_rate = 1.0 / 0.3;
+  all.frequencies_hz = Vector::LinSpaced(5, 0.1, 0.5);
+  all.values.resize(5, 2);
+  all.coherence.resize(5, 2);
+  for (int k = 0; k < 5; ++k) {
+    all.values.row(k) << Complex(k, 1.0 / 3.0), Complex(-k, 1e-7);
+    all.coherence.row(k) << 0.1 * k + 0.3, 0.9;
+  }
+  const std::string path = ::testing::TempDir() + "/written_frfs.uff";
+  std::string error;
+  ASSERT_TRUE(WriteFileAtomically(path, FormatFrfFile(all, "m/s", "N"), &error))
+      << error;
+  std::vector<FrequencyResponse> single;
+  std::vector<std::string> remarks;
+  ASSERT_TRUE(ReadFrfFile(path, {}, &single, &remarks, &error)) << error;
+  FrequencyResponses read;
+  ASSERT_TRUE(AssembleFrequencyResponses(single, &read, &error)) << error;
+  // A sign of a direction goes into the values.
+  EXPECT_THAT(read.responses,
+              ::testing::ElementsAre("12:x", "deck_north_east_z"));
+  EXPECT_THAT(read.references, ::testing::ElementsAre("deck_north_east_y"));
+  EXPECT_EQ(read.derivative, 1);
+  EXPECT_EQ(read.decay_rate, all.decay_rate);
+  EXPECT_LT((read.frequencies_hz - all.frequencies_hz).norm(), 1e-12);
+  EXPECT_EQ(ComplexVector(read.values.col(0)),
+            ComplexVector(-all.values.col(0)));
+  EXPECT_EQ(ComplexVector(read.values.col(1)),
+            ComplexVector(all.values.col(1)));
+  EXPECT_LT((read.coherence - all.coherence).norm(), 1e-12);
+  EXPECT_LT((read.variances - VariancesOfCoherence(read.values, read.coherence))
+                .norm(),
+            1e-12);
+  single[1].decay_rate = 0.0;
+  EXPECT_FALSE(AssembleFrequencyResponses(single, &read, &error));
+  EXPECT_THAT(error, HasSubstr("another exponential window"));
+}
+
 }  // namespace
 }  // namespace pinode
