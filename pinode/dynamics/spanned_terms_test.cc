@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/group_testing.h"
+
 namespace pinode {
 namespace {
 
@@ -30,10 +32,7 @@ class SpannedTermsTest : public ::testing::Test {
 
   void Add(const std::string& name, MatrixGroup::Target target,
            const Matrix& matrix, bool free) {
-    GroupTerm term;
-    term.group.name = name;
-    term.group.target = target;
-    term.group.matrix = matrix;
+    GroupTerm term = testing::MakeGroupTerm(name, target, matrix);
     term.alpha.free = free;
     std::string error;
     EXPECT_TRUE(dynamics_.AddGroup(term, &error)) << error;

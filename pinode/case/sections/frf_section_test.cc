@@ -115,6 +115,37 @@ noise = "relative"
               std::norm(record.values(20, 0) / record.values(30, 0)), 1e-9);
 }
 
+// Relative variances |h|^2 (1 - coherence) / coherence, without being asked.
+TEST(FrfSectionTest, CoherenceOfTheFilesWeightsLines) {
+  const TemporaryFolder folder;
+  std::string text = "Frequency,Real,Imaginary,Coherence\n";
+  Vector expected(40);
+  for (int i = 1; i <= 40; ++i) {
+    const std::complex<double> value = Accelerance(0.25 * i, 1.0);
+    const double coherence = 0.5 + 0.01 * i;
+    expected[i - 1] = std::norm(value) * (1.0 - coherence) / coherence;
+    text += FormatNumber(0.25 * i, 9) + "," + FormatNumber(value.real(), 15) +
+            "," + FormatNumber(value.imag(), 15) + "," +
+            FormatNumber(coherence, 15) + "\n";
+  }
+  folder.Write("h.csv", text);
+  const std::string frf = std::string(kCase) +
+                          "[[frf]]\nfiles = [\"h.csv\"]\nresponses = [\"u1\"]"
+                          "\nreferences = [\"u1\"]\n"
+                          "quantity = \"acceleration\"\n";
+  Case c;
+  std::string error;
+  ASSERT_TRUE(ReadText(folder, frf, &c, &error)) << error;
+  expected /= expected.mean();
+  const FrfRecord& record = c.problem.frfs.front();
+  ASSERT_EQ(record.variances.rows(), 40);
+  EXPECT_LT((record.variances.col(0) - expected).norm(),
+            1e-9 * expected.norm());
+  ASSERT_TRUE(ReadText(folder, frf + "noise = \"constant\"\n", &c, &error))
+      << error;
+  EXPECT_EQ(c.problem.frfs.front().variances.size(), 0);
+}
+
 TEST(FrfSectionTest, MistakesAreOneLine) {
   const TemporaryFolder folder;
   folder.Write("h.csv", FrfText(1.0));

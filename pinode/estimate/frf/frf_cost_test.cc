@@ -12,22 +12,14 @@
 #include "pinode/base/constants.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/group_testing.h"
 
 namespace pinode {
 namespace {
 
 using Complex = std::complex<double>;
 
-GroupTerm FrfGroup(const std::string& name, MatrixGroup::Target target,
-                   const Matrix& matrix, double alpha) {
-  GroupTerm term;
-  term.group.name = name;
-  term.group.target = target;
-  term.group.matrix = matrix;
-  term.alpha.name = name;
-  term.alpha.value = alpha;
-  return term;
-}
+using testing::MakeGroupTerm;
 
 // Four masses with dampers that couple the modes, three responses of different
 // quantities and two forces; gains, a delay and a loss factor.
@@ -39,14 +31,14 @@ struct FrfSetup4 {
     using Target = MatrixGroup::Target;
     const Matrix all = dynamics->model().damping;
     for (const GroupTerm& term :
-         {FrfGroup("k1", Target::kStiffness, 30.0 * SpringMatrix(4, -1, 0),
-                   0.1),
-          FrfGroup("k3", Target::kStiffness, 30.0 * SpringMatrix(4, 1, 2),
-                   -0.2),
-          FrfGroup("m2", Target::kMass, Matrix(Vector::Unit(4, 1).asDiagonal()),
-                   0.3),
-          FrfGroup("c", Target::kDamping, all, 0.4),
-          FrfGroup("c3", Target::kDamping, SpringMatrix(4, 2, 3), 0.2)}) {
+         {MakeGroupTerm("k1", Target::kStiffness, 30.0 * SpringMatrix(4, -1, 0),
+                        0.1),
+          MakeGroupTerm("k3", Target::kStiffness, 30.0 * SpringMatrix(4, 1, 2),
+                        -0.2),
+          MakeGroupTerm("m2", Target::kMass,
+                        Matrix(Vector::Unit(4, 1).asDiagonal()), 0.3),
+          MakeGroupTerm("c", Target::kDamping, all, 0.4),
+          MakeGroupTerm("c3", Target::kDamping, SpringMatrix(4, 2, 3), 0.2)}) {
       EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
     }
     problem.dynamics = dynamics;

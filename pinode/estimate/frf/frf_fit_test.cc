@@ -18,6 +18,7 @@
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/verdict.h"
 #include "pinode/structure/model/structural_model.h"
+#include "tests/support/group_testing.h"
 
 namespace pinode {
 namespace {
@@ -73,11 +74,7 @@ struct ChainFrfs {
     std::string error;
     const auto add = [&](const std::string& name, MatrixGroup::Target target,
                          const Matrix& matrix) {
-      GroupTerm term;
-      term.group.name = name;
-      term.group.target = target;
-      term.group.matrix = matrix;
-      term.alpha.name = name;
+      GroupTerm term = testing::MakeGroupTerm(name, target, matrix);
       term.alpha.lower = -0.9;
       EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
     };
@@ -220,6 +217,38 @@ TEST(FrfFitTest, QuantitiesGiveTheSame) {
       EXPECT_NEAR(a.value, b.value, 0.02 * a.sigma) << a.name;
       EXPECT_NEAR(a.sigma, b.sigma, 0.02 * a.sigma) << a.name;
     }
+  }
+}
+
+// Half of the lines have thirty times the noise. Variances from the coherence
+// say so: the intervals hold the truth and are those of the other half.
+TEST(FrfFitTest, CoherenceWeightsTheLines) {
+  constexpr double kLoud = 30.0;
+  ChainFrfs even(4);
+  ChainFrfs weighted(4);
+  FrfRecord& record = weighted.problem.frfs[0];
+  const ChainFrfs clean(4, 0.0);
+  record.variances = Matrix::Ones(record.num_lines(), kMasses);
+  for (Eigen::Index k = 0; k < record.num_lines(); k += 2) {
+    const auto exact = clean.problem.frfs[0].values.row(k);
+    record.values.row(k) = exact + kLoud * (record.values.row(k) - exact);
+    record.variances.row(k).setConstant(kLoud * kLoud);
+  }
+  ChainFrfs unweighted = weighted;
+  unweighted.problem.frfs[0].variances.resize(0, 0);
+  even.Fit();
+  weighted.Fit();
+  unweighted.Fit();
+  for (size_t i = 0; i < even.fit.parameters.size(); ++i) {
+    const ParameterEstimate& estimate = weighted.fit.parameters[i];
+    const double truth = ChainFrfs::Truth(estimate.name);
+    EXPECT_NEAR(estimate.value, truth, 3.5 * estimate.sigma) << estimate.name;
+    // Half of the lines: sqrt(2) times the deviation.
+    EXPECT_NEAR(estimate.sigma / even.fit.parameters[i].sigma, std::sqrt(2.0),
+                0.3)
+        << estimate.name;
+    EXPECT_GT(unweighted.fit.parameters[i].sigma, 5.0 * estimate.sigma)
+        << estimate.name;
   }
 }
 

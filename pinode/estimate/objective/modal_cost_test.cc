@@ -12,22 +12,12 @@
 #include "pinode/structure/model/modal_analysis.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/group_testing.h"
 
 namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
-
-GroupTerm Group(const std::string& name, MatrixGroup::Target target,
-                const Matrix& matrix, double alpha = 0.0) {
-  GroupTerm term;
-  term.group.name = name;
-  term.group.target = target;
-  term.group.matrix = matrix;
-  term.alpha.name = name;
-  term.alpha.value = alpha;
-  return term;
-}
 
 // A problem of modes alone, and its residuals at any value of the free
 // parameters.
@@ -80,22 +70,26 @@ std::shared_ptr<StructuralDynamics> MakeSixDofs() {
     EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
   };
   using Target = MatrixGroup::Target;
-  add(Group("c", Target::kDamping, SpringMatrix(6, 0, 1), 0.2));
-  add(Group("k1", Target::kStiffness, 30.0 * SpringMatrix(6, -1, 0), 0.1));
-  GroupTerm fixed =
-      Group("k2", Target::kStiffness, 30.0 * SpringMatrix(6, 0, 1), -0.2);
+  add(testing::MakeGroupTerm("c", Target::kDamping, SpringMatrix(6, 0, 1),
+                             0.2));
+  add(testing::MakeGroupTerm("k1", Target::kStiffness,
+                             30.0 * SpringMatrix(6, -1, 0), 0.1));
+  GroupTerm fixed = testing::MakeGroupTerm("k2", Target::kStiffness,
+                                           30.0 * SpringMatrix(6, 0, 1), -0.2);
   fixed.alpha.free = false;
   add(fixed);
-  add(Group("k3", Target::kStiffness, 30.0 * SpringMatrix(6, 1, 2), -0.1));
+  add(testing::MakeGroupTerm("k3", Target::kStiffness,
+                             30.0 * SpringMatrix(6, 1, 2), -0.1));
   Matrix mass = Matrix::Zero(6, 6);
   mass(4, 4) = 1.0;
   mass(4, 5) = mass(5, 4) = 0.1;
-  add(Group("m5", Target::kMass, mass, 0.3));
-  GroupTerm following =
-      Group("drift", Target::kStiffness, 30.0 * SpringMatrix(6, 2, 3), 0.4);
+  add(testing::MakeGroupTerm("m5", Target::kMass, mass, 0.3));
+  GroupTerm following = testing::MakeGroupTerm(
+      "drift", Target::kStiffness, 30.0 * SpringMatrix(6, 2, 3), 0.4);
   following.follows = GroupTerm::Follows::kTime;
   add(following);
-  add(Group("k6", Target::kStiffness, 30.0 * SpringMatrix(6, 4, 5), 0.2));
+  add(testing::MakeGroupTerm("k6", Target::kStiffness,
+                             30.0 * SpringMatrix(6, 4, 5), 0.2));
   return dynamics;
 }
 
@@ -192,7 +186,8 @@ struct TwoDofs : ModalSetup {
     auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
     std::string error;
     EXPECT_TRUE(dynamics->AddGroup(
-        Group("a", MatrixGroup::Target::kStiffness, SpringMatrix(2, -1, 0)),
+        testing::MakeGroupTerm("a", MatrixGroup::Target::kStiffness,
+                               SpringMatrix(2, -1, 0)),
         &error))
         << error;
     problem.dynamics = dynamics;
@@ -349,8 +344,9 @@ TEST(ModalCost, IsSmoothWhereModesCross) {
   std::string error;
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(dynamics->AddGroup(
-        Group("k" + std::to_string(i + 1), MatrixGroup::Target::kStiffness,
-              SpringMatrix(2, -1, i), i == 0 ? -0.05 : 0.05),
+        testing::MakeGroupTerm("k" + std::to_string(i + 1),
+                               MatrixGroup::Target::kStiffness,
+                               SpringMatrix(2, -1, i), i == 0 ? -0.05 : 0.05),
         &error));
   }
   ModalSetup setup(dynamics);
@@ -385,10 +381,14 @@ ModalSetup MakeSquareTower(double split, double turn, double shape_angle) {
   std::string error;
   using Target = MatrixGroup::Target;
   for (const GroupTerm& term :
-       {Group("kx", Target::kStiffness, 40.0 * SpringMatrix(4, -1, 0), split),
-        Group("ky", Target::kStiffness, 40.0 * SpringMatrix(4, 2, 3)),
-        Group("kxy", Target::kStiffness, 40.0 * SpringMatrix(4, 1, 3), turn),
-        Group("my", Target::kMass, mass.row(3).transpose() * mass.row(3))}) {
+       {testing::MakeGroupTerm("kx", Target::kStiffness,
+                               40.0 * SpringMatrix(4, -1, 0), split),
+        testing::MakeGroupTerm("ky", Target::kStiffness,
+                               40.0 * SpringMatrix(4, 2, 3)),
+        testing::MakeGroupTerm("kxy", Target::kStiffness,
+                               40.0 * SpringMatrix(4, 1, 3), turn),
+        testing::MakeGroupTerm("my", Target::kMass,
+                               mass.row(3).transpose() * mass.row(3))}) {
     EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
   }
   ModalSetup setup(dynamics);
@@ -477,7 +477,8 @@ TEST(ModalCost, RefusesModesOfOneFrequencyThatAGroupMixes) {
       std::vector<InputSpec>{});
   std::string error;
   ASSERT_TRUE(dynamics->AddGroup(
-      Group("k", MatrixGroup::Target::kStiffness, SpringMatrix(2, 0, 1)),
+      testing::MakeGroupTerm("k", MatrixGroup::Target::kStiffness,
+                             SpringMatrix(2, 0, 1)),
       &error));
   ModalSetup setup(dynamics);
   setup.problem.modal.modes = {
@@ -504,7 +505,8 @@ TEST(ModalCost, SaysWhyThereIsNone) {
                           (Vector(2) << 100.0, 1.0).finished().asDiagonal()),
       std::vector<InputSpec>{});
   ASSERT_TRUE(alone->AddGroup(
-      Group("k", MatrixGroup::Target::kStiffness, SpringMatrix(2, -1, 1)),
+      testing::MakeGroupTerm("k", MatrixGroup::Target::kStiffness,
+                             SpringMatrix(2, -1, 1)),
       &error));
   setup.problem.dynamics = alone;
   EXPECT_FALSE(setup.Evaluate(Vector::Zero(1), &residuals, nullptr, &error));
