@@ -21,6 +21,7 @@
 #include "apps/launcher.h"
 #include "apps/print.h"
 #include "apps/program.h"
+#include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
 #include "pinode/base/strings.h"
@@ -155,12 +156,30 @@ bool ReadFrfFlags(FrfSetup* setup, std::string* error) {
   return true;
 }
 
+// Leaves one record of *c, with the name of the functions alone.
+void NameFrfs(const FoundModes& found, ModesCase* c) {
+  c->records.assign(1, ResponseRecord());
+  c->records[0].name = found.result.setups[0];
+}
+
 // Reads the input and finds its modes. For frequency response functions, *c
-// gets their name alone.
+// gets their name alone. *written: those that were estimated, as a file.
 bool ReadAndFind(ModesCase* c, FoundModes* found,
-                 std::vector<ModesOfFrfs>* frfs, std::string* error) {
-  if (FLAGS_frf.empty())
-    return ReadInput(c, error) && FindModes(*c, found, error);
+                 std::vector<ModesOfFrfs>* frfs, std::string* written,
+                 std::string* error) {
+  if (FLAGS_frf.empty()) {
+    if (!ReadInput(c, error)) return false;
+    if (!c->frf.has_value()) return FindModes(*c, found, error);
+    EstimatedFrfs estimated;
+    frfs->resize(1);
+    if (!FindModesOfEstimatedFrfs(*c, &estimated, &frfs->front(), found,
+                                  error)) {
+      return false;
+    }
+    *written = EstimatedFrfsAsFile(estimated, *c);
+    NameFrfs(*found, c);
+    return true;
+  }
   for (const char* name :
        {"columns", "quantities", "time", "sampling_rate_hz"}) {
     if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
@@ -176,8 +195,7 @@ bool ReadAndFind(ModesCase* c, FoundModes* found,
   }
   c->path = FLAGS_frf;
   c->title = "Modes of " + found->result.setups[0];
-  c->records.resize(1);
-  c->records[0].name = found->result.setups[0];
+  NameFrfs(*found, c);
   return true;
 }
 
@@ -203,7 +221,9 @@ int RunProgram(int argc, char** argv) {
   ModesCase c;
   FoundModes found;
   std::vector<ModesOfFrfs> frfs;
-  if (!CheckFlags(&error) || !ReadAndFind(&c, &found, &frfs, &error)) {
+  std::string written_frfs;
+  if (!CheckFlags(&error) ||
+      !ReadAndFind(&c, &found, &frfs, &written_frfs, &error)) {
     return Refuse(error);
   }
   const ModesResult& result = found.result;
@@ -231,6 +251,9 @@ int RunProgram(int argc, char** argv) {
   if (!WriteModesFiles(result, folder.working_path(), &error) ||
       (!frfs.empty() &&
        !WriteFrfFiles(frfs.front(), folder.working_path(), &error)) ||
+      (!written_frfs.empty() &&
+       !WriteFileAtomically(folder.working_path() + "/frfs.uff", written_frfs,
+                            &error)) ||
       !WriteVtu(found.picture, folder.working_path(), &error) ||
       !WriteModesReport(report, report_options,
                         folder.working_path() + "/report.html", &error) ||

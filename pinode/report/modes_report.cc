@@ -234,6 +234,7 @@ std::string RenderModesReport(const ModesReportInput& input,
   std::vector<int> diagrams;
   std::vector<ModalSpectra> spectra;
   std::vector<int> spectra_figures;
+  std::vector<int> indicators;
   for (size_t r = 0; r < input.records->size(); ++r) {
     const ResponseRecord& record = (*input.records)[r];
     const ModesOfRecord& modes = (*input.by_record)[r];
@@ -242,6 +243,8 @@ std::string RenderModesReport(const ModesReportInput& input,
     if (input.frfs != nullptr) {
       spectra.emplace_back();
       spectra_figures.push_back(plan(MakeFrfFigure((*input.frfs)[r], number)));
+      indicators.push_back(
+          plan(MakeFrfIndicatorFigure((*input.frfs)[r], number)));
       continue;
     }
     spectra.push_back(FitModalSpectra(record, modes));
@@ -290,6 +293,7 @@ std::string RenderModesReport(const ModesReportInput& input,
                              : MethodSentence((*input.by_record)[r].method));
     record.set("diagram", picture(diagrams[r]));
     record.set("spectra", picture(spectra_figures[r]));
+    record.set("indicator", picture(indicators.empty() ? -1 : indicators[r]));
     SetIf("explained", spectra[r].explained.size() > 0,
           TableData(MakeExplainedTable((*input.records)[r], spectra[r])),
           &record);

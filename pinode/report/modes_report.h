@@ -53,6 +53,10 @@ Figure MakeModalSpectraFigure(const ResponseRecord& record,
 // Makes magnitude and phase of the first functions, measured and synthesised.
 Figure MakeFrfFigure(const ModesOfFrfs& frfs, int number);
 
+// Makes the complex mode indicator function of the functions, and their
+// coherence where it is known.
+Figure MakeFrfIndicatorFigure(const ModesOfFrfs& frfs, int number);
+
 // Makes the real parts of the first shapes (at most `most`) with 95 %
 // intervals, by place.
 Figure MakeIdentifiedShapesFigure(const MergedModes& merged, int most);

@@ -1,17 +1,27 @@
 #include "pinode/case/run/find_frf_modes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <functional>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/text/csv_file.h"
 
 namespace pinode {
 namespace {
 
+// Half-power width of a resonance, in lines, from which Hann's window leaves
+// the damping as it is.
+constexpr double kFewestLinesOfResonance = 4.0;
+// Vibration that is left of a blow, from which modes are in error. With 13 %
+// left before each blow, an exponential window made the damping 18 % too small.
+constexpr double kMuchVibration = 0.05;
+
 // Remark on FRFs that the modes do not describe; empty if they do.
-std::string LeftByModes(const ModesOfFrfs& frfs, const FrfSetup& setup) {
+std::string LeftByModes(const ModesOfFrfs& frfs, bool several_files) {
   // A tenth is left by a drift of two files of a free beam, whose intervals
   // then excluded the frequencies of the others.
   constexpr double kMuch = 0.1;
@@ -23,12 +33,106 @@ std::string LeftByModes(const ModesOfFrfs& frfs, const FrfSetup& setup) {
          " % of a frequency response function, and the intervals may be too "
          "narrow. A mode may be missing, or the structure has changed between "
          "the files" +
-         (setup.files.size() > 1
-              ? ": try --frf_poles=per_file or another --frf_band."
-              : ": try another --frf_band.");
+         (several_files ? ": try --frf_poles=per_file or another --frf_band."
+                        : ": try another --frf_band.");
+}
+
+// Puts the modes of `all` together with its remarks.
+bool CollectFrfModes(const FrequencyResponses& all, bool several_files,
+                     const ModesOfFrfs& frfs, FoundModes* found,
+                     std::string* error) {
+  *found = FoundModes();
+  ModesResult& result = found->result;
+  result.remarks = all.remarks;
+  result.setups = {all.name};
+  result.remarks.insert(result.remarks.end(), frfs.record.remarks.begin(),
+                        frfs.record.remarks.end());
+  const std::string left = LeftByModes(frfs, several_files);
+  if (!left.empty()) result.remarks.push_back(left);
+  SetupModes modes;
+  modes.name = all.name;
+  modes.places = frfs.places;
+  modes.modes = frfs.record.modes;
+  if (!MergeSetups({modes}, {}, &result.merged, error)) return false;
+  found->by_record = {frfs.record};
+  return true;
+}
+
+// Remark on a mode that has not decayed when the next blow comes, or at the end
+// of a block; empty: none.
+std::string SayDecay(const EstimatedFrfs& estimated, const ModesOfFrfs& frfs) {
+  if (!(estimated.block_seconds > 0.0)) return "";
+  for (const IdentifiedMode& mode : frfs.record.modes) {
+    const double decay = kTwoPi * mode.frequency_hz * mode.damping_ratio;
+    const double before = estimated.shortest_rest > 0.0
+                              ? std::exp(-decay * estimated.shortest_rest)
+                              : 0.0;
+    const double after =
+        std::exp(-(decay + estimated.all.decay_rate) * estimated.block_seconds);
+    const std::string begin =
+        "The vibration at " + FormatNumber(mode.frequency_hz, 4) +
+        " Hz is at " + FormatNumber(100.0 * std::max(before, after), 2) + " % ";
+    if (before > kMuchVibration) {
+      return begin +
+             "of its size when the next blow comes, so that its frequency and "
+             "damping are in error: wait longer between the blows. No window "
+             "helps against it.";
+    }
+    if (after > kMuchVibration) {
+      return begin +
+             "of its size at the end of a block, which changes its damping: "
+             "set "
+             "a longer block, or exponential_window in [modes.frf].";
+    }
+  }
+  return "";
+}
+
+// Remark on resonances that are narrower than the lines can show; empty: none.
+std::string SayLeakage(const EstimatedFrfs& estimated,
+                       const ModesOfFrfs& frfs) {
+  if (!estimated.has_leakage) return "";
+  for (const IdentifiedMode& mode : frfs.record.modes) {
+    const double width = 2.0 * mode.damping_ratio * mode.frequency_hz;
+    if (width >= kFewestLinesOfResonance * estimated.line_distance_hz) {
+      continue;
+    }
+    return "The resonance at " + FormatNumber(mode.frequency_hz, 4) +
+           " Hz is only " +
+           FormatNumber(width / estimated.line_distance_hz, 2) +
+           " lines wide, so that the blocks widen it and its damping is too "
+           "large: set a longer block in [modes.frf].";
+  }
+  return "";
 }
 
 }  // namespace
+
+bool FindModesOfEstimatedFrfs(const ModesCase& c, EstimatedFrfs* estimated,
+                              ModesOfFrfs* frfs, FoundModes* found,
+                              std::string* error) {
+  FrfModesOptions options;
+  options.identification = c.options;
+  if (!EstimateFrfsOfCase(c, estimated, error)) return false;
+  ModeIdentificationOptions& band = options.identification;
+  if (!(band.lowest_hz > 0.0)) band.lowest_hz = estimated->lowest_hz;
+  if (!(band.highest_hz > 0.0)) band.highest_hz = estimated->highest_hz;
+  std::string message;
+  if (!FindFrfModes(estimated->all, options, frfs, &message) ||
+      !CollectFrfModes(estimated->all, /*several_files=*/false, *frfs, found,
+                       &message)) {
+    *error = c.path + ": " + message;
+    return false;
+  }
+  std::vector<std::string>& remarks = found->result.remarks;
+  remarks.insert(remarks.begin(), c.remarks.begin(), c.remarks.end());
+  for (const std::string& remark :
+       {SayLeakage(*estimated, *frfs), SayDecay(*estimated, *frfs)}) {
+    if (!remark.empty()) remarks.push_back(remark);
+  }
+  PlaceModes(c, found);
+  return true;
+}
 
 bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
                          FoundModes* found, std::string* error) {
@@ -37,21 +141,7 @@ bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
       !FindFrfModes(all, setup.options, frfs, error)) {
     return false;
   }
-  *found = FoundModes();
-  ModesResult& result = found->result;
-  result.remarks = all.remarks;
-  result.setups = {all.name};
-  result.remarks.insert(result.remarks.end(), frfs->record.remarks.begin(),
-                        frfs->record.remarks.end());
-  const std::string left = LeftByModes(*frfs, setup);
-  if (!left.empty()) result.remarks.push_back(left);
-  SetupModes modes;
-  modes.name = all.name;
-  modes.places = frfs->places;
-  modes.modes = frfs->record.modes;
-  if (!MergeSetups({modes}, {}, &result.merged, error)) return false;
-  found->by_record = {frfs->record};
-  return true;
+  return CollectFrfModes(all, setup.files.size() > 1, *frfs, found, error);
 }
 
 bool WriteFrfFiles(const ModesOfFrfs& frfs, const std::string& folder,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/case/run/estimate_frfs.h"
 #include "pinode/case/run/find_modes.h"
 #include "pinode/case/sections/frf_section.h"
 #include "pinode/modal/frf/frf_modes.h"
@@ -21,6 +22,13 @@ struct FrfSetup : FrfFiles {
 // *found. Fails with one line that says what to do.
 [[nodiscard]] bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
                                        FoundModes* found, std::string* error);
+
+// Estimates the functions of a case with [modes.frf], and finds their modes.
+[[nodiscard]] bool FindModesOfEstimatedFrfs(const ModesCase& c,
+                                            EstimatedFrfs* estimated,
+                                            ModesOfFrfs* frfs,
+                                            FoundModes* found,
+                                            std::string* error);
 
 // Writes residues.csv to `folder`, a row for each mode: modal mass, modal A,
 // and the residues of receptance with the deviations of their parts.

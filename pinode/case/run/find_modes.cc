@@ -30,6 +30,12 @@ bool Fail(const ModesCase& c, const std::string& option,
 
 bool FindModes(const ModesCase& c, FoundModes* found, std::string* error) {
   *found = FoundModes();
+  if (c.frf.has_value()) {
+    return Fail(c, "frf", "",
+                "frequency response functions are estimated by pinode_modes "
+                "and pinode.estimate_frfs alone; leave it out here",
+                error);
+  }
   ModesResult& result = found->result;
   result.remarks = c.remarks;
   result.keep_harmonics = c.keep_harmonics;
@@ -58,6 +64,12 @@ bool FindModes(const ModesCase& c, FoundModes* found, std::string* error) {
     return Fail(c, c.merge.references.empty() ? "" : "references", "", message,
                 error);
   }
+  PlaceModes(c, found);
+  return true;
+}
+
+void PlaceModes(const ModesCase& c, FoundModes* found) {
+  ModesResult& result = found->result;
   std::vector<PlaceOfShape> places = c.places;
   ResolveDofs(&places, &result.merged);
   result.remarks.insert(result.remarks.end(), result.merged.remarks.begin(),
@@ -68,7 +80,6 @@ bool FindModes(const ModesCase& c, FoundModes* found, std::string* error) {
     result.geometry = c.geometry->geometry;
     result.motions = MotionsOfNodes(*c.geometry, places, result.merged);
   }
-  return true;
 }
 
 }  // namespace pinode

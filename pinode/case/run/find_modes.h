@@ -27,6 +27,9 @@ struct FoundModes {
 [[nodiscard]] bool FindModes(const ModesCase& c, FoundModes* found,
                              std::string* error);
 
+// Gives the merged modes their DOFs, and the picture of a case with a geometry.
+void PlaceModes(const ModesCase& c, FoundModes* found);
+
 }  // namespace pinode
 
 #endif  // PINODE_CASE_RUN_FIND_MODES_H_

@@ -99,6 +99,13 @@ class FrfReader {
     if (!ReadFrfFiles(files, &measured_, &message)) {
       return table_.errors()->FailAsIs(message);
     }
+    if (measured_.decay_rate > 0.0) {
+      return table_.Fail(
+          "files",
+          "the functions were measured with an exponential window, which a fit "
+          "would take for damping; fit functions without a window, or the "
+          "modes of pinode_modes, which are corrected for it");
+    }
     for (const std::string& remark : measured_.remarks) {
       problem_.description.remarks.push_back("Frequency responses '" +
                                              record_.name + "': " + remark);

@@ -149,7 +149,18 @@ class ModesCaseReader {
     options.num_threads = table.Integer("threads", DefaultThreads(), 1, 1024);
     options.stabilisation.pick = table.Numbers("pick");
     c_.keep_harmonics = table.Boolean("harmonics", false);
-    return table.errors()->ok();
+    return table.errors()->ok() && ReadFrf(table);
+  }
+
+  bool ReadFrf(const TomlTable& table) {
+    if (!table.Has("frf")) return true;
+    if (c_.options.method != ModalMethod::kAutomatic) {
+      return table.Fail("method",
+                        "[modes.frf] has a method of its own, expected no "
+                        "'method'");
+    }
+    c_.frf.emplace();
+    return ReadModesFrfSection(table.Table("frf", "[modes.frf]"), &*c_.frf);
   }
 
   bool ReadRecords() {
@@ -206,8 +217,9 @@ class ModesCaseReader {
     }
     RemarkOnCovariates(record);
     response.free_decay = section.free_decay;
+    c_.loads.emplace_back();
     if (section.has_excitation()) {
-      AddInputs(record, &response);
+      AddInputs(record, dof_names, &response);
       if (c_.options.method == ModalMethod::kCovarianceDriven ||
           c_.options.method == ModalMethod::kDataDriven) {
         c_.remarks.push_back(
@@ -243,6 +255,18 @@ class ModesCaseReader {
     c_.places.push_back(std::move(place));
   }
 
+  // Adds the place of a force, which shapes of a roving hammer have.
+  void AddForcePlace(const std::string& dof) {
+    const auto is_it = [&dof](const PlaceOfShape& other) {
+      return other.place == dof;
+    };
+    if (!c_.frf.has_value() ||
+        std::any_of(c_.places.begin(), c_.places.end(), is_it)) {
+      return;
+    }
+    c_.places.push_back({dof, dof, {{dof, 1.0}}});
+  }
+
   // Adds a remark on covariates: modes belong to one state of the structure,
   // and a case must give its covariates.
   void RemarkOnCovariates(const IdentificationRecord& record) {
@@ -259,7 +283,8 @@ class ModesCaseReader {
 
   // Adds inputs that vary; those of other records are zero here.
   void AddInputs(const IdentificationRecord& record,
-                 ResponseRecord* response) const {
+                 const std::vector<std::string>& dof_names,
+                 ResponseRecord* response) {
     const Matrix& samples = record.excitation->samples();
     std::vector<Eigen::Index> rows;
     for (size_t i = 0; i < inputs_.size(); ++i) {
@@ -267,6 +292,10 @@ class ModesCaseReader {
       if (IsLoad(inputs_[i]) &&
           samples.row(row).maxCoeff() > samples.row(row).minCoeff()) {
         rows.push_back(row);
+        const bool is_force = inputs_[i].kind == InputSpec::Kind::kForce;
+        c_.loads.back().push_back(
+            is_force ? dof_names[static_cast<size_t>(inputs_[i].index)] : "");
+        if (is_force) AddForcePlace(c_.loads.back().back());
       }
     }
     response->inputs.resize(static_cast<Eigen::Index>(rows.size()),

@@ -5,10 +5,12 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pinode/base/units.h"
+#include "pinode/case/sections/modes_frf_section.h"
 #include "pinode/modal/identify_modes.h"
 #include "pinode/modal/merge_setups.h"
 #include "pinode/modal/resolve_dofs.h"
@@ -29,6 +31,11 @@ struct ModesCase {
   // One record per set-up. Its channels' names are places: a channel's `dof`
   // or, without one, its own name.
   std::vector<ResponseRecord> records;
+  // Places of the measured loads of each record; empty text: a load that is no
+  // force.
+  std::vector<std::vector<std::string>> loads;
+  // [modes.frf]: frequency response functions are estimated first.
+  std::optional<ModesFrfSection> frf;
   // Places of the records, each once.
   std::vector<PlaceOfShape> places;
   // [geometry]; null if the case has none.

@@ -80,6 +80,40 @@ CaseTable ModesKeys() {
            "The modes nearest to these, and no others."},
           {"threads", "whole number", "from 1", "those of the machine",
            "Number of threads."},
+          {"frf", "table", "", "none",
+           "Estimate frequency response functions first, and find their modes: "
+           "`frf = {}` or `[modes.frf]`."},
+      }};
+}
+
+CaseTable ModesFrfKeys() {
+  return {
+      "modes.frf",
+      "[modes.frf]",
+      "",
+      {
+          {"estimator", "\"h1\" or \"h2\" or \"hv\"", "", "\"h1\"",
+           "The noise is in the responses (`h1`), in the force (`h2`), or in "
+           "both (`hv`)."},
+          {"excitation",
+           "\"automatic\" or \"blows\" or \"random\" or \"periodic\"", "",
+           "\"automatic\"",
+           "Blows of a hammer, a random force, or one that repeats itself. "
+           "`automatic`: blows if the force is a few short pulses, else "
+           "random."},
+          {"block", "number", "s",
+           "up to the next blow; some 16 blocks of a random force",
+           "Length of the blocks that are averaged; of `periodic` the period, "
+           "which it needs."},
+          {"overlap", "number", "a share", "0.5",
+           "Overlap of the blocks of a random force."},
+          {"force_window", "number", "s", "none",
+           "After this time from the beginning of a block, the force of a blow "
+           "is set to zero."},
+          {"exponential_window", "number", "s", "none",
+           "Time constant of an exponential window on blows and responses. "
+           "The damping of the modes is corrected for it; `[[frf]]` refuses "
+           "such functions."},
       }};
 }
 
@@ -322,11 +356,11 @@ CaseTable CandidatesKeys() {
 }  // namespace
 
 std::vector<CaseTable> ProgramCaseTables() {
-  return {ProfilesKeys(),       DamageKeys(),         DamagePlaceKeys(),
-          ModesKeys(),          ReferenceCurveKeys(), OptionsKeys(),
-          GeometryKeys(),       GeometryLineKeys(),   PlanKeys(),
-          PlanCandidateKeys(),  SimulateKeys(),       DiscoverKeys(),
-          DiscoverOutputKeys(), CandidatesKeys()};
+  return {ProfilesKeys(), DamageKeys(),         DamagePlaceKeys(),
+          ModesKeys(),    ModesFrfKeys(),       ReferenceCurveKeys(),
+          OptionsKeys(),  GeometryKeys(),       GeometryLineKeys(),
+          PlanKeys(),     PlanCandidateKeys(),  SimulateKeys(),
+          DiscoverKeys(), DiscoverOutputKeys(), CandidatesKeys()};
 }
 
 }  // namespace pinode

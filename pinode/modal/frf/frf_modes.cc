@@ -232,7 +232,7 @@ class FrfModesFinder {
       const FrfCandidate& candidate = candidates[kept[m]];
       PoleCluster cluster = candidate.cluster;
       SubspacePole& pole = cluster.mean;
-      pole.s = moments[m].mode.s;
+      pole.s = moments[m].mode.s + all_.decay_rate;
       pole.shape = moments[m].shape;
       const Index width = 2 + 2 * data.outputs;
       SetInfluences(moments[m].covariance.topLeftCorner(width, width), degrees,
@@ -355,6 +355,11 @@ class FrfModesFinder {
       for (const std::string& response : all_.responses) {
         result_.pair_names.push_back(response + "/" + reference);
       }
+    }
+    result_.num_responses = all_.num_responses();
+    if (all_.coherence.rows() > 0) {
+      result_.coherence =
+          all_.coherence.middleRows(selection_.first_line, lines);
     }
     result_.synthesised = ComplexMatrix::Zero(lines, data.h.cols());
     result_.errors = Vector::Ones(data.h.cols());

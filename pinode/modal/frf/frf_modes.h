@@ -46,6 +46,9 @@ struct ModesOfFrfs {
   Vector frequencies_hz;
   ComplexMatrix measured, synthesised;
   std::vector<std::string> pair_names;  // "response/reference"
+  // Coherence of the measured ones, lines x pairs; no rows: not known.
+  Matrix coherence;
+  Eigen::Index num_responses = 0;
   // For each pair, the norm of the error of synthesis as a part of that of the
   // FRF.
   Vector errors;
@@ -54,7 +57,8 @@ struct ModesOfFrfs {
 // Finds the modes: poles by poly-reference least squares over many orders, from
 // which stable ones are taken (FindClusters), then a modal model by maximum
 // likelihood (FitFrfModes). A mode must explain what noise near its frequency
-// does not. Fails with a sentence if there are too few lines.
+// does not. An exponential window of the functions is taken off the damping.
+// Fails with a sentence if there are too few lines.
 [[nodiscard]] bool FindFrfModes(const FrequencyResponses& responses,
                                 const FrfModesOptions& options,
                                 ModesOfFrfs* result, std::string* error);

@@ -31,6 +31,9 @@ constexpr double kShortDistance = 0.3;
 // multiples of the resolution, that a force within the range does not show.
 constexpr Index kFlatSamples = 3;
 constexpr double kSteps = 2.5;
+// Steps of the resolution in a force from which two blows do not have the same
+// peak by chance.
+constexpr double kFineSteps = 500.0;
 // Vibration left at the end of a block, as a share of its beginning, from which
 // the cut raises the damping.
 constexpr double kMuchLeft = 0.05;
@@ -112,6 +115,28 @@ bool IsCutOff(const Vector& values, double resolution) {
     if (std::min(before, after) > kSteps * resolution) return true;
   }
   return false;
+}
+
+// Returns true if the pulse reaches `limit` to the last digit.
+bool Reaches(const Vector& force, const ForcePulse& pulse, double limit) {
+  const Vector part = force.segment(pulse.begin, pulse.end - pulse.begin);
+  return (part.array() == limit).any();
+}
+
+// Returns true if pulses of different impulses have the same peak `limit`.
+// Blows of a simulation may be all alike.
+bool IsLimit(const Vector& force, const std::vector<ForcePulse>& pulses,
+             double limit) {
+  double least = kInfinity;
+  double largest = -kInfinity;
+  for (const ForcePulse& pulse : pulses) {
+    if (!Reaches(force, pulse, limit)) continue;
+    const double impulse =
+        force.segment(pulse.begin, pulse.end - pulse.begin).sum();
+    least = std::min(least, impulse);
+    largest = std::max(largest, impulse);
+  }
+  return largest - least > 1e-6 * std::abs(largest);
 }
 
 // Root mean square of the responses, each relative to its own, over `count`
@@ -205,6 +230,7 @@ class BlowFinder {
     for (Index j = 0; j < record.forces.rows(); ++j) {
       force_steps.push_back(ResolutionOf(record.forces.row(j)));
     }
+    const std::vector<double> limits = LimitsOf(r, force_steps);
     Index free_from = 0;
     for (size_t p = 0; p < pulses_[r].size(); ++p) {
       const ForcePulse& pulse = pulses_[r][p];
@@ -228,7 +254,8 @@ class BlowFinder {
       };
       if (IsHitTwice(r, p, free_from)) {
         ++hit_twice_;
-      } else if (is_cut_off(record.forces, force_steps) ||
+      } else if (IsAtLimit(r, pulse, limits) ||
+                 is_cut_off(record.forces, force_steps) ||
                  is_cut_off(record.responses, steps)) {
         ++cut_off_;
       } else {
@@ -236,6 +263,32 @@ class BlowFinder {
         Watch(record, first, pulse.end);
       }
     }
+  }
+
+  // Returns the extreme values of the forces that several blows share, two for
+  // each force: their range. NaN: no limit is known.
+  std::vector<double> LimitsOf(size_t r,
+                               const std::vector<double>& steps) const {
+    std::vector<double> limits;
+    for (Index j = 0; j < records_[r].forces.rows(); ++j) {
+      const Vector force = records_[r].forces.row(j);
+      for (const double limit : {force.maxCoeff(), force.minCoeff()}) {
+        const bool is_fine =
+            std::abs(limit) > kFineSteps * steps[static_cast<size_t>(j)];
+        limits.push_back(is_fine && IsLimit(force, pulses_[r], limit) ? limit
+                                                                      : kNaN);
+      }
+    }
+    return limits;
+  }
+
+  bool IsAtLimit(size_t r, const ForcePulse& pulse,
+                 const std::vector<double>& limits) const {
+    for (size_t i = 0; i < limits.size(); ++i) {
+      const Vector force = records_[r].forces.row(static_cast<Index>(i / 2));
+      if (Reaches(force, pulse, limits[i])) return true;
+    }
+    return false;
   }
 
   bool IsHitTwice(size_t r, size_t p, Index end) const {
@@ -287,8 +340,10 @@ class BlowFinder {
     if (left > kMuchLeft) {
       search_.remarks.push_back(
           "At the end of the blocks, " + FormatNumber(100.0 * left, 2) +
-          " % of the motion is left. If it is vibration and not noise, the cut "
-          "raises the damping: set exponential_window, or a longer block.");
+          " % of the motion is left. If it is vibration and not noise, it is "
+          "in "
+          "the next block: wait longer between the blows. If the structure "
+          "rests before each blow, set exponential_window or a longer block.");
     }
   }
 

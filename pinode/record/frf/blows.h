@@ -40,7 +40,8 @@ bool HasBlows(const std::vector<ForcedRecord>& records);
 // Finds the blows, and a block for each. `block_samples`: length of the blocks;
 // 0: up to the next blow or the end of the record. A blow is left out if the
 // hammer hits again within its block (5 % of the peak or more), if its force or
-// a response is cut off at the range of the instrument, or if its block is not
+// a response is cut off at the range of the instrument (a plateau, or the same
+// largest force as another blow), or if its block is not
 // complete. `decay_per_sample`: of the exponential window, 0 without it; it
 // serves the remark on short blocks. Fails with a sentence if no blow is left.
 [[nodiscard]] bool FindBlows(const std::vector<ForcedRecord>& records,

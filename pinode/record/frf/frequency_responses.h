@@ -44,7 +44,7 @@ struct FrequencyResponses {
   Matrix variances;
   // Coherence of each value; no rows: not known.
   Matrix coherence;
-  // Of all functions, see FrequencyResponse.
+  // Decay rate of all functions, see FrequencyResponse.
   double decay_rate = 0.0;
   // File of each pair, as its number in a list of files.
   std::vector<int> files;

@@ -133,6 +133,10 @@ class FrfEstimation {
         }
       }
     }
+    if (!(options_.overlap >= 0.0) || !(options_.overlap < 1.0)) {
+      return Fail("overlap is " + FormatNumber(options_.overlap, 3) +
+                  ", expected a share from 0 to below 1");
+    }
     if (options_.estimator == FrfEstimator::kH2 && num_references() > 1) {
       return Fail("H2 is for one force; use h1 or hv for several");
     }
@@ -174,6 +178,15 @@ class FrfEstimation {
     block_ = search.block_samples;
     result_.remarks = std::move(search.remarks);
     result_.num_averages = static_cast<double>(blocks_.size());
+    result_.block_seconds = static_cast<double>(block_) * step();
+    for (size_t i = 1; i < blocks_.size(); ++i) {
+      if (blocks_[i].record != blocks_[i - 1].record) continue;
+      const double rest =
+          static_cast<double>(blocks_[i].first - blocks_[i - 1].first) * step();
+      if (result_.shortest_rest == 0.0 || rest < result_.shortest_rest) {
+        result_.shortest_rest = rest;
+      }
+    }
     window_ = Vector::Ones(block_);
     for (Index k = 0; k < block_; ++k) {
       window_[k] =
@@ -475,6 +488,33 @@ bool EstimateFrfs(const std::vector<ForcedRecord>& records,
                   std::string* error) {
   *estimate = FrfEstimate();
   return FrfEstimation(records, options, estimate, error).Run();
+}
+
+std::vector<FrequencyResponse> SingleFrfs(
+    const FrfEstimate& estimate, const std::string& file,
+    const std::vector<std::string>& responses,
+    const std::vector<std::string>& references, int derivative) {
+  std::vector<FrequencyResponse> all;
+  for (Index p = 0; p < estimate.values.cols(); ++p) {
+    FrequencyResponse one;
+    one.file = file;
+    one.response = responses[static_cast<size_t>(p) % responses.size()];
+    one.reference = references[static_cast<size_t>(p) / responses.size()];
+    one.derivative = derivative;
+    one.frequencies_hz = estimate.frequencies_hz;
+    one.values = estimate.values.col(p);
+    one.decay_rate = estimate.decay_rate;
+    // From the derivative along s to that along i w.
+    for (Index k = 0; k < one.values.size(); ++k) {
+      const Complex w(0.0, kTwoPi * one.frequencies_hz[k]);
+      one.values[k] *= std::pow(w / (w + one.decay_rate), derivative);
+    }
+    if (estimate.coherence.rows() > 0) {
+      one.coherence = estimate.coherence.col(p);
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
 }
 
 }  // namespace pinode

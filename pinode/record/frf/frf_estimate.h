@@ -66,6 +66,9 @@ struct FrfEstimate {
   double num_averages = 0.0;
   // One over the time constant of the exponential window, 1 / s.
   double decay_rate = 0.0;
+  // Of blows: length of the blocks, and shortest time between two of them in
+  // one record, in s. 0: there are no two.
+  double block_seconds = 0.0, shortest_rest = 0.0;
   FrfExcitation excitation = FrfExcitation::kRandom;
   std::vector<std::string> remarks;
 };
@@ -80,6 +83,14 @@ constexpr double kFewestAveragesForWeights = 8.0;
 [[nodiscard]] bool EstimateFrfs(const std::vector<ForcedRecord>& records,
                                 const FrfEstimateOptions& options,
                                 FrfEstimate* estimate, std::string* error);
+
+// Returns single FRFs of the estimate, for AssembleFrequencyResponses. `file`:
+// for messages. `derivative`: what the responses measured, as in
+// FrequencyResponse.
+std::vector<FrequencyResponse> SingleFrfs(
+    const FrfEstimate& estimate, const std::string& file,
+    const std::vector<std::string>& responses,
+    const std::vector<std::string>& references, int derivative);
 
 }  // namespace pinode
 

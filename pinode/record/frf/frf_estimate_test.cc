@@ -282,7 +282,8 @@ TEST(FrfEstimateTest, ExponentialWindowIsAKnownShift) {
   FrfEstimateOptions options;
   options.block_samples = 640;
   const FrfEstimate cut = Estimate({Respond(force)}, options);
-  EXPECT_THAT(cut.remarks, ElementsAre(HasSubstr("set exponential_window")));
+  EXPECT_THAT(cut.remarks,
+              ElementsAre(HasSubstr("wait longer between the blows")));
   options.exponential_window = 0.03;
   options.force_window = 0.03;
   // Nothing is left of the blow before when the next one comes.
@@ -364,6 +365,8 @@ TEST(FrfEstimateTest, WrongInputGivesOneLine) {
          o->estimator = FrfEstimator::kH2;
        },
        "H2 is for one force"},
+      {[](ForcedRecord*, FrfEstimateOptions* o) { o->overlap = 1.0; },
+       "overlap is 1"},
       {[](ForcedRecord*, FrfEstimateOptions* o) { o->block_samples = 4000; },
        "a block has 4000 samples"},
       {[](ForcedRecord*, FrfEstimateOptions* o) {
