@@ -123,7 +123,13 @@ class Report {
     }
   }
 
+  bool IsOfFrfs() const {
+    return !problem_.frfs.empty() && problem_.records.empty() &&
+           problem_.ambient.empty() && problem_.modal.modes.empty();
+  }
+
   std::string DataName() const {
+    if (IsOfFrfs()) return "frequency responses";
     if (problem_.modal.modes.empty()) return "records";
     return IsOfModes(problem_) ? "modes" : "records and modes";
   }

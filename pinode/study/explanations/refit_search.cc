@@ -11,6 +11,7 @@
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/ambient_suspects.h"
 #include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/frf_suspects.h"
 #include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/problem/growth.h"
@@ -212,7 +213,7 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
                                                 std::max(num_samples_, 1.0));
 }
 
-// Sensors of ambient records, and measured modes.
+// Sensors of ambient records and of frequency responses, and measured modes.
 void RefitSearch::AddSuspectsBeside() {
   // The rate of one logger's clock is no factor on all data.
   suspects_.erase(std::remove_if(suspects_.begin(), suspects_.end(),
@@ -223,6 +224,10 @@ void RefitSearch::AddSuspectsBeside() {
                   suspects_.end());
   for (Suspect& suspect : MakeAmbientSuspects(
            problem_, model_, options_.num_threads, kMostAmbientSensors)) {
+    suspects_.push_back(std::move(suspect));
+  }
+  for (Suspect& suspect :
+       MakeFrfSuspects(problem_, model_, kMostAmbientSensors)) {
     suspects_.push_back(std::move(suspect));
   }
   for (Suspect& suspect :
@@ -261,7 +266,8 @@ bool RefitSearch::Run() {
   for (size_t i = 0; i < suspects_.size(); ++i) {
     const Suspect& suspect = suspects_[i];
     // A force at a wrong place has adapted to it.
-    if (!suspect.moved_forces.empty() || !suspect.ambient_exchanged.empty()) {
+    if (!suspect.moved_forces.empty() || !suspect.ambient_exchanged.empty() ||
+        !suspect.frf_changes.empty()) {
       Try(own, {i}, /*cold=*/true);
     }
     if (!suspect.left_out_modes.empty()) Try(own, {i}, /*cold=*/false);

@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/law_term.h"
+#include "pinode/study/explanations/frf_suspects.h"
 #include "pinode/study/problem/growth.h"
 
 namespace pinode {
@@ -152,7 +153,18 @@ bool AddSuspects(const std::vector<Suspect>& suspects,
         }
         place = index;
       }
+      for (const auto& [set, response] : sensor.frf_responses) {
+        FrfRecord& record = result.frfs[static_cast<size_t>(set)];
+        record.gains.resize(record.responses.size(), -1);
+        int& place = record.gains[static_cast<size_t>(response)];
+        if (place >= 0) {
+          *error = "a sensor would have two unknowns of one kind";
+          return false;
+        }
+        place = index;
+      }
     }
+    ChangeFrfs(suspect.frf_changes, &result);
     for (const auto& [one, two] : suspect.exchanged) {
       std::swap(ChannelAt(one, &result)->values,
                 ChannelAt(two, &result)->values);

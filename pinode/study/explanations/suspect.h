@@ -38,6 +38,8 @@ struct Suspect {
     int MeasuredChannel::*role = &MeasuredChannel::gain;
     Parameter parameter;
     std::vector<std::pair<int, int>> channels;
+    // Responses of frequency responses (set-up, response) with this gain.
+    std::vector<std::pair<int, int>> frf_responses;
   };
 
   Kind kind = Kind::kDamping;
@@ -73,6 +75,15 @@ struct Suspect {
   };
   std::vector<AmbientScale> ambient_scales;
 
+  // Two responses, or forces, of a set-up of frequency responses that exchange
+  // their functions. Twice the same one: its functions change their sign.
+  struct FrfChange {
+    int record = 0;
+    bool of_forces = false;
+    int one = 0, two = 0;
+  };
+  std::vector<FrfChange> frf_changes;
+
   // The unknown of its sensors equals these unknowns of other suspects, all at
   // the same value: a common delay, the delays of all sensors. Empty: there are
   // none.
@@ -87,7 +98,7 @@ struct Suspect {
   bool IsDiscrete() const {
     return !exchanged.empty() || !moved_forces.empty() ||
            !left_out_modes.empty() || !ambient_exchanged.empty() ||
-           !ambient_scales.empty();
+           !ambient_scales.empty() || !frf_changes.empty();
   }
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;

@@ -1,0 +1,150 @@
+#include "pinode/study/explanations/frf_suspects.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <complex>
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/problem/parameter_layout.h"
+#include "pinode/structure/model/structural_model.h"
+#include "tests/support/group_testing.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// Four masses with a group for each spring, hit at two of them, without noise.
+IdentificationProblem HammerTest() {
+  const Vector springs =
+      (Vector(4) << 4000.0, 3000.0, 2500.0, 2000.0).finished();
+  Matrix stiffness = Matrix::Zero(4, 4);
+  for (int i = 0; i < 4; ++i) {
+    stiffness += springs[i] * SpringMatrix(4, i - 1, i);
+  }
+  const Matrix damping = 0.2 * Matrix::Identity(4, 4) + 4e-4 * stiffness;
+  const StructuralModel model = MakeStructuralModel(
+      Matrix::Identity(4, 4), damping, stiffness, {"u1", "u2", "u3", "u4"});
+  auto dynamics =
+      std::make_shared<StructuralDynamics>(model, std::vector<InputSpec>{});
+  std::string error;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(dynamics->AddGroup(
+        testing::MakeGroupTerm("k" + std::to_string(i + 1),
+                               MatrixGroup::Target::kStiffness,
+                               springs[i] * SpringMatrix(4, i - 1, i)),
+        &error))
+        << error;
+  }
+  IdentificationProblem problem;
+  problem.dynamics = dynamics;
+  FrfRecord record;
+  record.name = "hammer";
+  record.frequencies = Vector::LinSpaced(200, 1.0, 25.0);
+  for (int o = 0; o < 4; ++o) {
+    Observation response;
+    response.name = model.dof_names[static_cast<size_t>(o)];
+    response.quantity = Quantity::kRelativeAcceleration;
+    response.weights = Vector::Unit(4, o);
+    record.responses.push_back(response);
+  }
+  record.references = Matrix::Identity(4, 2);
+  record.reference_names = {"u1", "u2"};
+  record.values.resize(200, 8);
+  for (Eigen::Index k = 0; k < 200; ++k) {
+    const double w = kTwoPi * record.frequencies[k];
+    ComplexMatrix z(4, 4);
+    z.real() = stiffness - w * w * model.mass;
+    z.imag() = w * damping;
+    const ComplexMatrix motion =
+        z.partialPivLu().solve(record.references.cast<std::complex<double>>());
+    record.values.row(k) = (-w * w * motion).reshaped().transpose();
+  }
+  problem.frfs = {record};
+  return problem;
+}
+
+std::vector<Suspect> Find(const IdentificationProblem& problem) {
+  IdentifiedModel model;
+  model.parameters = ParameterLayout(problem).InitialValues();
+  return MakeFrfSuspects(problem, model, 1);
+}
+
+// Places of the discrete suspects.
+std::vector<std::string> PlacesOf(const std::vector<Suspect>& suspects) {
+  std::vector<std::string> places;
+  for (const Suspect& suspect : suspects) {
+    if (suspect.IsDiscrete()) places.push_back(suspect.what);
+  }
+  return places;
+}
+
+TEST(FrfSuspects, OfGoodPlacesAreGainsAlone) {
+  const IdentificationProblem problem = HammerTest();
+  const std::vector<Suspect> found = Find(problem);
+  EXPECT_THAT(PlacesOf(found), IsEmpty());
+  // All sensors together, and each.
+  EXPECT_EQ(found.size(), 5u);
+  for (const Suspect& suspect : found) {
+    IdentificationProblem changed = problem;
+    std::string error;
+    ASSERT_TRUE(AddSuspects({suspect}, &changed, &error)) << error;
+    const std::vector<int>& gains = changed.frfs[0].gains;
+    EXPECT_EQ(std::count(gains.begin(), gains.end(), 0),
+              suspect.place.empty() ? 4 : 1);
+    EXPECT_FALSE(AddSuspects({suspect}, &changed, &error));
+  }
+}
+
+// Each fault is named first, and its suspect takes it back.
+TEST(FrfSuspects, FaultsOfPlacesAreNamedAndTakenBack) {
+  const IdentificationProblem good = HammerTest();
+  const struct {
+    std::vector<Suspect::FrfChange> fault;
+    const char* what;
+  } faults[] = {
+      {{{0, false, 2, 2}}, "sensor 'u3' mounted upside down"},
+      {{{0, false, 1, 3}}, "sensors 'u2' and 'u4' swapped"},
+      {{{0, true, 1, 1}}, "the force at 'u2' in the other direction"},
+      {{{0, true, 0, 1}}, "the places of the forces 'u1' and 'u2' swapped"},
+  };
+  for (const auto& fault : faults) {
+    IdentificationProblem problem = good;
+    problem.frfs[0].variances = Matrix::Ones(200, 8);
+    problem.frfs[0].variances.col(3).setConstant(2.0);
+    const IdentificationProblem before = problem;
+    ChangeFrfs(fault.fault, &problem);
+    EXPECT_NE(problem.frfs[0].values, good.frfs[0].values);
+    const std::vector<Suspect> found = Find(problem);
+    const auto named = std::find_if(
+        found.begin(), found.end(),
+        [&](const Suspect& suspect) { return suspect.what == fault.what; });
+    ASSERT_NE(named, found.end()) << fault.what;
+    std::string error;
+    ASSERT_TRUE(AddSuspects({*named}, &problem, &error)) << error;
+    EXPECT_EQ(problem.frfs[0].values, good.frfs[0].values) << fault.what;
+    EXPECT_EQ(problem.frfs[0].variances, before.frfs[0].variances);
+  }
+}
+
+TEST(FrfSuspects, OfFreeGainsAreNone) {
+  IdentificationProblem problem = HammerTest();
+  Parameter gain;
+  gain.name = "gain.u1";
+  gain.value = 1.0;
+  problem.sensors.parameters.push_back(gain);
+  problem.frfs[0].gains = {0, -1, -1, -1};
+  EXPECT_THAT(Find(problem), IsEmpty());
+}
+
+}  // namespace
+}  // namespace pinode
