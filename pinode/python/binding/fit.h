@@ -85,6 +85,7 @@ void SetThreads(const FitRequest& request, Case* c);
 void BindCase(pybind11::module_* module);
 void BindFit(pybind11::module_* module);
 void BindStudy(pybind11::module_* module);
+void BindFrfs(pybind11::module_* module);
 void BindModes(pybind11::module_* module);
 void BindSimulation(pybind11::module_* module);
 void BindPlan(pybind11::module_* module);

@@ -22,6 +22,7 @@ PYBIND11_MODULE(_pinode, module) {
   BindStudy(&module);
   BindSimulation(&module);
   BindModes(&module);
+  BindFrfs(&module);
   BindPlan(&module);
   WaitForWorkAtExit();
   module.def("element_compiler_flags", &pinode::ElementCompilerFlags);

@@ -38,6 +38,7 @@ from ._pinode import Error, __version__
 from ._simple import identify
 from .case import Case, read_case
 from .forecast import Check, SensorPlan, Simulation
+from .frequency_responses import FrequencyResponses, estimate_frfs
 from .measurements import Channel, Mode, Record, channels
 from .modes import IdentifiedModes, identify_modes
 from .parts import (
@@ -89,6 +90,7 @@ __all__ = [
     "Error",
     "FiniteElementModel",
     "Fit",
+    "FrequencyResponses",
     "Group",
     "IdentifiedModes",
     "KeywordError",
@@ -107,6 +109,7 @@ __all__ = [
     "Unknown",
     "UnknownForce",
     "channels",
+    "estimate_frfs",
     "identify",
     "identify_modes",
     "read_case",
