@@ -135,7 +135,12 @@ def _columns(name: str, values: Any) -> np.ndarray:
 
 def _as_numbers(name: str, values: Any) -> np.ndarray:
     try:
-        return np.asarray(as_array(values), dtype=float)
+        array = as_array(values)
+        if np.iscomplexobj(array):
+            raise Error(f"{name} is complex, expected samples over time")
+        return np.asarray(array, dtype=float)
+    except Error:
+        raise
     except (TypeError, ValueError) as error:
         raise Error(f"{name} is no array of numbers: {error}") from None
 

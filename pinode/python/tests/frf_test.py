@@ -99,3 +99,5 @@ def test_mistakes_are_one_sentence(given, message):
     with pytest.raises(pinode.Error, match=message) as caught:
         pinode.estimate_frfs(force, force, **given)
     assert "\n" not in str(caught.value)
+    with pytest.raises(pinode.Error, match="complex"):
+        pinode.estimate_frfs(1j * force, force, fs=FS)

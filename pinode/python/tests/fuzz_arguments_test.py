@@ -169,6 +169,12 @@ FUNCTIONS = {
         "max_damping_ratio": "positive", "references": "list", "pick": "list",
         "harmonics": "flag", "detrend": "trend", "filter_hz": "list", "threads": "whole",
         "title": "text", "output": "path", "overwrite": "flag"}),
+    "estimate_frfs": (lambda: pinode.estimate_frfs, dict(
+        force=FLOORS[:, :1], responses=FLOORS, step=STEP), {
+        "force": "array", "responses": "array", "step": "positive", "fs": "positive",
+        "sampling_rate_hz": "positive", "names": "names", "references": "list",
+        "quantity": "text", "estimator": "text", "excitation": "text", "block": "positive",
+        "overlap": "number", "force_window": "positive", "exponential_window": "positive"}),
     "read_case": (lambda: pinode.read_case, dict(path="none.toml"), {
         "path": "path", "simulation": "flag", "planning": "flag"}),
     "read_result": (lambda: pinode.read_result, dict(path="none"), {"path": "path"}),
@@ -362,7 +368,8 @@ def test_of_keywords(name, tmp_path, monkeypatch):
 
 def test_all_that_is_public_is_tried():
     """Everything that a user makes or calls; results are made by the package."""
-    made = {"Check", "Damage", "Discovery", "Fit", "IdentifiedModes", "Parameter",
+    made = {"Check", "Damage", "Discovery", "Fit", "FrequencyResponses", "IdentifiedModes",
+            "Parameter",
             "RecordResult", "SensorPlan", "Simulation", "StructureView",
             "Error", "KeywordError", "__version__"}
     tried = {part.__name__ for part in PARTS} | set(FUNCTIONS)
