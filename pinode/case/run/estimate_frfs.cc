@@ -20,7 +20,7 @@ using Eigen::Index;
 // dB, a hundredth of the force.
 constexpr double kWeakForce = 1e-4;
 // Lines that the window and the removed mean of a block disturb.
-constexpr double kFirstLine = 3.0;
+constexpr double kDisturbedLines = 3.0;
 // Coherence that a clean test exceeds outside of its antiresonances.
 constexpr double kLowCoherence = 0.8;
 
@@ -179,7 +179,7 @@ class CaseFrfEstimation {
     result_.line_distance_hz = std::max(result_.line_distance_hz, distance);
     result_.has_leakage =
         result_.has_leakage || estimate.excitation == FrfExcitation::kRandom;
-    result_.lowest_hz = std::max(result_.lowest_hz, kFirstLine * distance);
+    result_.lowest_hz = std::max(result_.lowest_hz, kDisturbedLines * distance);
     Index peak = 0;
     estimate.force_power.maxCoeff(&peak);
     Index last = peak;

@@ -30,7 +30,7 @@ constexpr double kShortDistance = 0.3;
 // Equal samples at the extreme value, and the least step beside them in
 // multiples of the resolution, that a force within the range does not show.
 constexpr Index kFlatSamples = 3;
-constexpr double kSteps = 2.5;
+constexpr double kPlateauSteps = 2.5;
 // Steps of the resolution in a force from which two blows do not have the same
 // peak by chance.
 constexpr double kFineSteps = 500.0;
@@ -112,7 +112,7 @@ bool IsCutOff(const Vector& values, double resolution) {
     if (end - at < kFlatSamples || at == 0 || end == values.size()) continue;
     const double before = std::abs(extreme - values[at - 1]);
     const double after = std::abs(extreme - values[end]);
-    if (std::min(before, after) > kSteps * resolution) return true;
+    if (std::min(before, after) > kPlateauSteps * resolution) return true;
   }
   return false;
 }
