@@ -7,25 +7,13 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/dynamics/autodiff_law.h"
+#include "pinode/dynamics/memory_laws.h"
 
 namespace pinode {
 namespace {
 
 // Marks a parameter without a default: the case must give it.
 constexpr double kRequired = kNaN;
-
-// |x|^p with a derivative that stays finite at x = 0, where Jets would
-// compute 0 * inf. The tiny shift is far below anything measurable.
-template <typename T>
-T SafePower(const T& magnitude, const T& exponent) {
-  using std::pow;
-  return pow(magnitude + 1e-30, exponent);
-}
-
-template <typename T>
-T Magnitude(const T& x) {
-  return x < T(0.0) ? T(-x) : x;
-}
 
 struct Linear {
   template <typename T>
@@ -55,14 +43,6 @@ struct AmplitudeDamping {
   }
 };
 
-// x - clamp(x, -gap, gap).
-template <typename T>
-T BeyondGap(const T& x, const T& gap) {
-  if (x > gap) return x - gap;
-  if (x < -gap) return x + gap;
-  return T(0.0);
-}
-
 struct Bilinear {
   template <typename T>
   void operator()(const T* q, const T*, const T* p, T* force) const {
@@ -86,31 +66,19 @@ struct PowerDamper {
   }
 };
 
-struct BoucWen {
-  template <typename T>
-  void operator()(const T* q, const T* z, const T* p, T* result) const {
-    const T& w = q[1];
-    const T power = SafePower(Magnitude(z[0]), p[4]);
-    // |z|^(n-1) z = sign(z) |z|^n
-    const T signed_power = z[0] < T(0.0) ? T(-power) : power;
-    result[0] = p[0] * z[0];
-    result[1] = p[1] * w -
-                p[5] * (p[2] * Magnitude(w) * signed_power + p[3] * w * power);
-  }
-};
+// Half of x + |x|, rounded over a length of about `width` about x = 0.
+template <typename T>
+T RoundedRamp(const T& x, const T& width) {
+  using std::sqrt;
+  return T(0.5) * (x + sqrt(x * x + width * width + 1e-60));
+}
 
-struct BacklashFriction {
+struct Play {
   template <typename T>
-  void operator()(const T* q, const T* z, const T* p, T* result) const {
-    const T& k = p[0];
-    const T& gap = p[2];
-    const T& w = q[1];
-    result[0] = k * BeyondGap(z[0], gap);
-    result[1] = w;
-    const bool outwards = (w < T(0.0)) == (z[0] < T(0.0));
-    if (!outwards) return;
-    const T slip = gap + p[1] / k;
-    result[1] -= w * SafePower(Magnitude(z[0]) / slip, p[3]);
+  void operator()(const T* q, const T*, const T* p, T* force) const {
+    const T from_centre = q[0] - p[2];
+    force[0] = p[0] * (RoundedRamp(T(from_centre - p[1]), p[3]) -
+                       RoundedRamp(T(-from_centre - p[1]), p[3]));
   }
 };
 
@@ -166,6 +134,44 @@ const std::vector<ElementType>& Catalogue() {
         {"f", 1, 0, 0, 1e-12, kInfinity, kRequired},
         {"gap", 0, 1, 0, 0.0, kInfinity, kRequired},
         {"n", 0, 0, 0, 1.0, 50.0, 10.0}}},
+      {"play",
+       &Create<Play, 0, 4>,
+       {{"k", 1, -1, 0, -kInfinity, kInfinity, kRequired},
+        {"gap", 0, 1, 0, 0.0, kInfinity, kRequired},
+        {"centre", 0, 1, 0, -kInfinity, kInfinity, 0.0},
+        {"width", 0, 1, 0, 0.0, kInfinity, 0.0}}},
+      {"maxwell",
+       &Create<Maxwell, 1, 2>,
+       {{"k", 1, -1, 0, 0.0, kInfinity, kRequired},
+        {"c", 1, -1, 1, 1e-12, kInfinity, kRequired}}},
+      {"lugre",
+       &Create<LuGre, 1, 6>,
+       {{"k", 1, -1, 0, 1e-12, kInfinity, kRequired},
+        {"f", 1, 0, 0, 1e-12, kInfinity, kRequired},
+        {"rise", 0, 0, 0, 0.0, 100.0, 0.0},
+        {"v0", 0, 1, -1, 1e-12, kInfinity, 1.0},
+        {"c1", 1, -1, 1, 0.0, kInfinity, 0.0},
+        {"c", 1, -1, 1, -kInfinity, kInfinity, 0.0}}},
+      {"iwan",
+       &Create<Iwan, Iwan::kSliders + 1, 4>,
+       {{"k", 1, -1, 0, 1e-12, kInfinity, kRequired},
+        {"f", 1, 0, 0, 1e-12, kInfinity, kRequired},
+        {"chi", 0, 0, 0, -0.95, 5.0, -0.5},
+        {"beta", 0, 0, 0, 0.0, 100.0, 0.0}}},
+      {"baber_noori",
+       &Create<BaberNoori, 2, 12>,
+       {{"k", 1, -1, 0, 1e-12, kInfinity, kRequired},
+        {"f", 1, 0, 0, 1e-12, kInfinity, kRequired},
+        {"s", 0, 0, 0, 0.0, 10.0, 0.5},
+        {"n", 0, 0, 0, 1.0, 10.0, 1.0},
+        {"strength", 0, 0, 0, 0.0, 10.0, 0.0},
+        {"stiffness", 0, 0, 0, 0.0, 10.0, 0.0},
+        {"pinch", 0, 0, 0, 0.0, 0.99, 0.0},
+        {"pinch_rate", 0, 0, 0, 0.0, 100.0, 0.5},
+        {"pinch_level", 0, 0, 0, -1.0, 1.0, 0.1},
+        {"pinch_width", 0, 0, 0, 1e-3, 10.0, 0.2},
+        {"pinch_spread", 0, 0, 0, 0.0, 10.0, 0.0},
+        {"pinch_mix", 0, 0, 0, 1e-3, 10.0, 0.5}}},
   };
   return *catalogue;
 }

@@ -31,6 +31,17 @@ namespace pinode {
 //                        and a play of 2 gap: dz/dt = w while |z| grows no
 //                        further than where the force is f,
 //                        dz/dt = w (1 - H(w z) (|z| / (gap + f / k))^n)
+//   play                 k (r(x - gap) - r(-x - gap)), x = d - centre,
+//                        r(x) = (x + sqrt(x^2 + width^2)) / 2
+//   maxwell              k z,  dz/dt = w - k z / c
+//   lugre                k z + c1 dz/dt + c w,  dz/dt = w - k |w| z / g,
+//                        g = f (1 + rise exp(-(w / v0)^2))
+//                        (Canudas de Wit et al. 1995)
+//   iwan                 sum k_m z_m, sliders behind springs in parallel whose
+//                        limits have the density of Segalman (2005)
+//   baber_noori          f z, Bouc-Wen with degradation and pinching by the
+//                        energy e; memory_laws.h has its equation
+//                        (Baber and Noori 1985)
 std::vector<std::string> ElementTypes();
 
 // Creates the law of a type. Returns nullptr, with the nearest known type in

@@ -118,9 +118,15 @@ TEST(Elements, JacobiansMatchRiddersStyleDifferences) {
     const auto law = CreateElement(type, &error);
     ASSERT_NE(law, nullptr) << error;
     std::vector<double> arguments = {0.37, -0.81};
-    if (law->num_internal() > 0) arguments.push_back(0.23);
+    for (int z = 0; z < law->num_internal(); ++z) {
+      arguments.push_back(0.23 + 0.1 * z);
+    }
+    const std::vector<ElementParameterInfo> infos = ElementParameters(type);
     for (int p = 0; p < law->num_parameters(); ++p) {
-      arguments.push_back(1.3 - 0.17 * p - (type == "bilinear" ? 0.9 * p : 0));
+      const double value = 1.3 - 0.17 * p - (type == "bilinear" ? 0.9 * p : 0);
+      const bool inside =
+          value > infos[p].lower + 0.01 && value < infos[p].upper - 0.01;
+      arguments.push_back(inside ? value : infos[p].lower + 0.31);
     }
     const int na = law->num_arguments();
     const int nr = law->num_results();

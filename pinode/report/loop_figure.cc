@@ -13,9 +13,10 @@ constexpr int kMaxLoopSamples = 2000;
 
 // False for springs, whose force-deformation loop is complete.
 bool DependsOnRate(const RestoringForceLoop& loop) {
-  static const std::set<std::string> kSprings = {"cubic", "quadratic_stiffness",
-                                                 "bilinear", "bouc_wen",
-                                                 "backlash_friction"};
+  static const std::set<std::string> kSprings = {
+      "cubic",    "quadratic_stiffness", "bilinear",
+      "bouc_wen", "backlash_friction",   "play",
+      "iwan",     "baber_noori"};
   return kSprings.count(loop.type) == 0;
 }
 

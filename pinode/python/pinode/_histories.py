@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Their loop says everything: there is no force over the rate.
-_SPRINGS = ("cubic", "quadratic_stiffness", "bilinear", "bouc_wen", "backlash_friction")
+_SPRINGS = ("cubic", "quadratic_stiffness", "bilinear", "bouc_wen", "backlash_friction", "play",
+            "iwan", "baber_noori")
 _MOST_LOOP_SAMPLES = 2000
 # Number of samples of a known force in a panel; fewer are drawn as dots.
 _FEW_SAMPLES = 50
