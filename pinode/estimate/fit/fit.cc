@@ -91,12 +91,28 @@ bool Fit::Prepare(const Vector& parameters, Eigen::Index segment_samples,
   objective_.priors().SetDecays(current_.decays);
   if (!InitialTrajectories(context_.problem, segment_samples, current_.free,
                            context_.tuning().stages, &objective_.shooting(),
-                           &current_.trajectories)) {
+                           &current_.trajectories, KnownStarts(initial))) {
     log_.SetMessage(objective_.Failure());
     return false;
   }
   best_ = current_;
   return true;
+}
+
+std::vector<Vector> Fit::KnownStarts(const IdentifiedModel* initial) const {
+  std::vector<Vector> known;
+  const StructuralDynamics& dynamics = *context_.problem.dynamics;
+  if (initial == nullptr || dynamics.IsLinear()) return known;
+  for (const int record : context_.train_records()) {
+    const size_t r = static_cast<size_t>(record);
+    if (r >= initial->starts.size() ||
+        initial->starts[r].size() != dynamics.num_states() ||
+        !initial->starts[r].allFinite()) {
+      return {};
+    }
+    known.push_back(initial->starts[r]);
+  }
+  return known;
 }
 
 void Fit::BeginAnnealing() {

@@ -69,6 +69,9 @@ class Fit {
   // Compares the expected errors. Below the misfit allowed for networks, the
   // simpler state is the better one.
   bool IsWorseThanBest(const FitState& state) const;
+  // Returns the starts of the training records in `initial`. Empty if it lacks
+  // one, or if the structure is linear: its starts have one minimum only.
+  std::vector<Vector> KnownStarts(const IdentifiedModel* initial) const;
   // Sets noise, decays and trajectories before the first stage.
   [[nodiscard]] bool Prepare(const Vector& parameters,
                              Eigen::Index segment_samples,

@@ -58,6 +58,27 @@ Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
   return internal;
 }
 
+// Seeks the starts of whole records from `known` and from rest, where they are
+// now. Leaves those with the smaller cost.
+void SeekFromKnown(const Vector& free, const std::vector<Vector>& known,
+                   MultipleShooting* shooting) {
+  shooting->SetWholeRecords(known);
+  double from_known = 0.0;
+  if (!shooting->Evaluate(free, &from_known)) {
+    SetSegmentsAtRest(0, shooting);
+    return;
+  }
+  std::vector<Vector> found;
+  for (const Matrix& starts : shooting->starts()) {
+    found.push_back(starts.col(0));
+  }
+  SetSegmentsAtRest(0, shooting);
+  double from_rest = 0.0;
+  if (!shooting->Evaluate(free, &from_rest) || !(from_rest < from_known)) {
+    shooting->SetWholeRecords(found);
+  }
+}
+
 }  // namespace
 
 std::vector<double> ModelFrequencies(const IdentificationProblem& problem) {
@@ -153,7 +174,8 @@ Vector StateScalesOf(const IdentificationProblem& problem,
 bool InitialTrajectories(const IdentificationProblem& problem,
                          Eigen::Index segment_samples, const Vector& free,
                          const StageTuning& tuning, MultipleShooting* shooting,
-                         TrajectoryOutlines* trajectories) {
+                         TrajectoryOutlines* trajectories,
+                         const std::vector<Vector>& known) {
   std::vector<Vector> scales;
   for (int r : shooting->train_records()) {
     scales.push_back(
@@ -168,6 +190,9 @@ bool InitialTrajectories(const IdentificationProblem& problem,
     }
     shooting->SetStateScales(scales);
     shooting->SetGapPenalty(tuning.first_gap_penalty);
+    if (pass == 0 && segment_samples == 0 && !known.empty()) {
+      SeekFromKnown(free, known, shooting);
+    }
     double cost = 0.0;
     if (!shooting->Evaluate(free, &cost) ||
         !OutlineTrajectories(*shooting, free, trajectories)) {

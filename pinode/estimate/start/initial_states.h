@@ -34,12 +34,15 @@ Vector StateScalesOf(const IdentificationProblem& problem,
 // uses the model with the parameters `free` and segments of `segment_samples`
 // joined softly; accelerations alone suffice. Returns false if no finite
 // trajectory is found.
-[[nodiscard]] bool InitialTrajectories(const IdentificationProblem& problem,
-                                       Eigen::Index segment_samples,
-                                       const Vector& free,
-                                       const StageTuning& tuning,
-                                       MultipleShooting* shooting,
-                                       TrajectoryOutlines* trajectories);
+//
+// `known`: a start for each training record, or empty. Over whole records (0
+// segment samples) the starts are sought from there and from rest, and the
+// better ones kept: from rest alone a nonlinear free decay may end in another
+// minimum.
+[[nodiscard]] bool InitialTrajectories(
+    const IdentificationProblem& problem, Eigen::Index segment_samples,
+    const Vector& free, const StageTuning& tuning, MultipleShooting* shooting,
+    TrajectoryOutlines* trajectories, const std::vector<Vector>& known = {});
 
 }  // namespace pinode
 
