@@ -19,7 +19,7 @@ namespace pinode {
 namespace {
 
 // Number of suspects together.
-constexpr size_t kMostTogether = 2;
+constexpr size_t kMostModesTogether = 2;
 
 // Squared errors above which a mode may be wrong, as a multiple of what its
 // standard deviations allow.
@@ -122,7 +122,7 @@ bool ModesSearch::Run() {
   own.model = model_;
   own.log_odds = 0.0;
   for (size_t i = 0; i < suspects_.size(); ++i) Try(own, {i});
-  for (size_t together = 2; together <= kMostTogether; ++together) {
+  for (size_t together = 2; together <= kMostModesTogether; ++together) {
     if (Best() == nullptr || Best()->log_odds < limits::kLogOdds) break;
     const Refit best = *Best();
     for (size_t i = 0; i < suspects_.size(); ++i) {

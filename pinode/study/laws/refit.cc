@@ -18,6 +18,7 @@
 #include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/discovered_problem.h"
 #include "pinode/study/terms/library_term.h"
+#include "pinode/study/terms/segment_proposal.h"
 #include "pinode/study/terms/term_proposal.h"
 #include "pinode/study/terms/term_worth.h"
 
@@ -100,7 +101,7 @@ class Refitter {
     discovery_.equations = begin;
     prices_ = TermPrices(NumFittedValues(problem_), equations);
     exact_ = false;
-    if (!FirstSteps() || !Fit(1)) return false;
+    if (!FirstSteps() || !Begin()) return false;
     if (discovery_.summary.termination != Termination::kInterrupted &&
         !CompareWithNoTerms()) {
       return false;
@@ -144,6 +145,74 @@ class Refitter {
                                  &discovery_.equations)) {
       if (!Left()) return true;
       if (!Fit(factor)) return false;
+    }
+    return true;
+  }
+
+  // Fits the terms to begin with: those that were regressed, or those chosen
+  // from segments of the records, whichever have the smaller criterion. A
+  // regression on noisy derivatives takes too few terms, and fits with these
+  // are far from the records.
+  bool Begin() {
+    std::vector<DiscoveredEquation> proposed;
+    const bool from_records = std::all_of(
+        discovery_.equations.begin(), discovery_.equations.end(),
+        [](const DiscoveredEquation& equation) {
+          return equation.source == DiscoveryOptions::Source::kDerivatives;
+        });
+    if (options_.search && from_records &&
+        !ProposeFromSegments(problem_, model_, discovery_.equations, options_,
+                             prices_, identification_.num_threads, &proposed,
+                             error_)) {
+      return false;
+    }
+    if (CountTerms(proposed) == 0 ||
+        SameTerms(proposed, discovery_.equations)) {
+      return Fit(1);
+    }
+    const Discovery regressed = discovery_;
+    discovery_.equations = proposed;
+    if (!FirstSteps() || !Fit(1)) return false;
+    if (LeavesNoise() ||
+        discovery_.summary.termination == Termination::kInterrupted) {
+      return true;
+    }
+    const bool good = Good();
+    const double criterion = good ? Deviance(problem_, discovery_.summary) +
+                                        prices_.Sum(discovery_.equations)
+                                  : kInfinity;
+    const Discovery from_segments = discovery_;
+    const IdentifiedModel model = last_model_;
+    const std::vector<int> substeps = substeps_;
+    discovery_ = regressed;
+    last_model_ = model_;
+    num_fits_ = 0;
+    if (!FirstSteps() || !Fit(1)) return false;
+    if (good &&
+        (!Good() || criterion < Deviance(problem_, discovery_.summary) +
+                                    prices_.Sum(discovery_.equations))) {
+      discovery_ = from_segments;
+      last_model_ = model;
+      substeps_ = substeps;
+    }
+    return true;
+  }
+
+  // True if the fit leaves no more than the noise that the smoothed records
+  // show, with some room for their own error.
+  bool LeavesNoise() const {
+    constexpr double kLargestRatio = 1.3;
+    if (!Good()) return false;
+    for (size_t r = 0; r < problem_.records.size(); ++r) {
+      const IdentificationRecord& record = problem_.records[r];
+      if (record.role != IdentificationRecord::Role::kTrain) continue;
+      for (size_t c = 0; c < record.channels.size(); ++c) {
+        if (record.channels[c].fit &&
+            !(discovery_.summary.records[r].channels[c].rmse <
+              kLargestRatio * model_.sigmas[r][static_cast<int>(c)])) {
+          return false;
+        }
+      }
     }
     return true;
   }

@@ -44,6 +44,9 @@ struct Discovery {
 // In this fit only the noise of the records counts, not the errors of smoothing
 // or of a network.
 //
+// Equations that were regressed on derivatives begin with the terms that
+// ProposeFromSegments chooses, if these explain the records better.
+//
 // 1. Terms that are not worth their price are dropped one by one
 //    (DiscoveryOptions::prune_fraction).
 // 2. Candidates that the residuals require are added as long as they lower the

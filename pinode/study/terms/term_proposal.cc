@@ -29,11 +29,11 @@ struct StepwiseInput {
   std::vector<int> start;
 };
 
-StepwiseInput MakeStepwiseInput(const std::vector<DiscoveredEquation>& wide,
-                                const std::vector<DiscoveredEquation>& present,
+StepwiseInput MakeStepwiseInput(const TermOffer& offer,
                                 const std::map<std::string, int>& entries,
-                                const DiscoveryOptions& discovery,
-                                const TermPrices& prices, const Vector& free) {
+                                const Vector& free) {
+  const std::vector<DiscoveredEquation>& wide = offer.wide;
+  const DiscoveryOptions& discovery = offer.options;
   StepwiseInput input;
   StepwiseOptions& options = input.options;
   const size_t size = static_cast<size_t>(free.size());
@@ -48,15 +48,24 @@ StepwiseInput MakeStepwiseInput(const std::vector<DiscoveredEquation>& wide,
       if (term.given || found == entries.end()) continue;
       const int j = found->second;
       input.from_zero[j] = free[j];
-      options.prices[j] = prices.Of(wide[e], term);
+      options.prices[j] = offer.prices.Of(wide[e], term);
       options.optional[static_cast<size_t>(j)] = true;
       options.signs[static_cast<size_t>(j)] = term.sign;
       options.smallest[j] = discovery.prune_fraction * discovery.tolerance *
                             wide[e].scale / std::max(term.basis_rms, 1e-300);
-      if (HasTerm(present[e], term.basis)) input.start.push_back(j);
+      if (HasTerm(offer.present[e], term.basis)) input.start.push_back(j);
     }
   }
   return input;
+}
+
+QuadraticCost CostFromZero(const FittedCost& around, double memory,
+                           const Vector& from_zero) {
+  QuadraticCost cost;
+  cost.hessian = around.system.hessian / memory;
+  cost.gradient = around.system.gradient / memory;
+  cost.gradient -= cost.hessian * from_zero;
+  return cost;
 }
 
 }  // namespace
@@ -65,11 +74,8 @@ std::vector<int> SupportNearFit(const FittedCost& around, double memory,
                                 const Vector& from_zero,
                                 const StepwiseOptions& options,
                                 const std::vector<int>& start) {
-  QuadraticCost cost;
-  cost.hessian = around.system.hessian / memory;
-  cost.gradient = around.system.gradient / memory;
-  cost.gradient -= cost.hessian * from_zero;
-  return SelectStepwise(cost, options, start);
+  return SelectStepwise(CostFromZero(around, memory, from_zero), options,
+                        start);
 }
 
 std::vector<DiscoveredEquation> WithAllCandidates(
@@ -86,6 +92,34 @@ std::vector<DiscoveredEquation> WithAllCandidates(
     }
   }
   return equations;
+}
+
+void ChooseTerms(const TermOffer& offer, const ParameterLayout& layout,
+                 const Vector& free, const FittedCost& around,
+                 std::vector<DiscoveredEquation>* equations) {
+  const std::map<std::string, int> entries = FreeEntries(layout);
+  const StepwiseInput input = MakeStepwiseInput(offer, entries, free);
+  const std::vector<int> support = SupportNearFit(
+      around, around.memory, input.from_zero, input.options, input.start);
+  const Vector values =
+      MinimizeOn(CostFromZero(around, around.memory, input.from_zero), support);
+  std::vector<DiscoveredEquation> chosen = offer.wide;
+  for (DiscoveredEquation& equation : chosen) {
+    std::vector<DiscoveredTerm> terms;
+    for (DiscoveredTerm& term : equation.terms) {
+      const auto found = entries.find(CoefficientName(equation, term.basis));
+      if (term.given) {
+        terms.push_back(std::move(term));
+      } else if (found != entries.end() &&
+                 std::binary_search(support.begin(), support.end(),
+                                    found->second)) {
+        term.coefficient = values[found->second];
+        terms.push_back(std::move(term));
+      }
+    }
+    equation.terms = std::move(terms);
+  }
+  *equations = std::move(chosen);
 }
 
 bool ProposeTerms(const FittedEquations& fitted,
@@ -110,22 +144,16 @@ bool ProposeTerms(const FittedEquations& fitted,
   }
   *memory = around.memory;
 
-  const std::map<std::string, int> entries = FreeEntries(layout);
-  const StepwiseInput input =
-      MakeStepwiseInput(wide, fitted.equations, entries, options, prices, free);
-  const std::vector<int> support = SupportNearFit(
-      around, *memory, input.from_zero, input.options, input.start);
+  *equations = wide;
+  ChooseTerms({wide, fitted.equations, options, prices}, layout, free, around,
+              equations);
+  // A fit from the present values follows.
   for (size_t e = 0; e < wide.size(); ++e) {
-    std::vector<DiscoveredTerm> terms;
-    for (const DiscoveredTerm& term : wide[e].terms) {
-      const auto found = entries.find(CoefficientName(wide[e], term.basis));
-      if (term.given ||
-          (found != entries.end() &&
-           std::binary_search(support.begin(), support.end(), found->second))) {
-        terms.push_back(term);
+    for (DiscoveredTerm& term : (*equations)[e].terms) {
+      for (const DiscoveredTerm& before : wide[e].terms) {
+        if (before.basis == term.basis) term.coefficient = before.coefficient;
       }
     }
-    (*equations)[e].terms = std::move(terms);
   }
   return true;
 }

@@ -13,6 +13,7 @@
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"
+#include "pinode/problem/parameter_layout.h"
 
 namespace pinode {
 
@@ -29,6 +30,21 @@ std::vector<int> SupportNearFit(const FittedCost& around, double memory,
 // terms yet.
 std::vector<DiscoveredEquation> WithAllCandidates(
     std::vector<DiscoveredEquation> equations);
+
+// Candidates that may become terms, and what they cost.
+struct TermOffer {
+  const std::vector<DiscoveredEquation>& wide;     // with all candidates
+  const std::vector<DiscoveredEquation>& present;  // the choice begins here
+  const DiscoveryOptions& options;
+  const TermPrices& prices;
+};
+
+// Chooses terms by SelectStepwise for a cost that is quadratic about the free
+// parameters `free` of a problem with all candidates. The coefficients are the
+// minimum of this cost.
+void ChooseTerms(const TermOffer& offer, const ParameterLayout& layout,
+                 const Vector& free, const FittedCost& around,
+                 std::vector<DiscoveredEquation>* equations);
 
 // Start of a search for terms: a fit with some of them.
 struct FittedEquations {
