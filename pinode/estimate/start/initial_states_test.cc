@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "pinode/base/statistics.h"
 #include "pinode/estimate/shooting/score.h"
@@ -60,6 +63,48 @@ TEST_F(InitialStatesTest, AccelerationsAloneGiveTheStates) {
     EXPECT_LT(error.row(k).norm(), 0.02 * inside.row(k).norm())
         << problem_.dynamics->StateNames()[static_cast<size_t>(k)];
   }
+}
+
+// Free decay of a hardening spring over seven periods: from rest the search for
+// the start ends in another minimum.
+TEST(InitialTrajectories, WholeRecordsBeginAtKnownStarts) {
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      MakeStructuralModel(Matrix::Ones(1, 1), Matrix::Constant(1, 1, 0.08),
+                          Matrix::Ones(1, 1), {"u"}),
+      std::vector<InputSpec>());
+  std::string error;
+  ASSERT_TRUE(dynamics->AddLaw(
+      testing::MakeElement("spring", "cubic", 1, Feature::kGround, 0, {0.8}),
+      &error))
+      << error;
+  IdentificationRecord record;
+  record.name = "free";
+  record.excitation.emplace(0.0, 0.05, Matrix(0, 800), Interpolation::kLinear);
+  record.start = IdentificationRecord::Start::kFree;
+  record.substeps = 2;
+  record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
+                     testing::MakeChannel("v", Quantity::kVelocity, 1, 0)};
+  const Vector truth = Eigen::Vector2d(1.5, 0.0);
+  testing::Simulate(*dynamics, dynamics->Parameters(), truth, 0.01, 1, &record);
+  IdentificationProblem problem;
+  problem.dynamics = dynamics;
+  problem.records = {record};
+  const ParameterLayout layout(problem);
+  const auto start_from = [&](const std::vector<Vector>& known) {
+    MultipleShooting shooting(problem, layout, MultipleShooting::Options());
+    shooting.SetSigmas({Vector(Eigen::Vector2d(0.01, 0.01))});
+    TrajectoryOutlines trajectories;
+    EXPECT_TRUE(
+        InitialTrajectories(problem, 0, layout.Free(layout.InitialValues()),
+                            StageTuning(), &shooting, &trajectories, known));
+    return Vector(shooting.starts()[0].col(0));
+  };
+  const Vector near = Eigen::Vector2d(1.45, 0.05);
+  EXPECT_LT((start_from({near}) - truth).norm(), 0.01);
+  EXPECT_GT((start_from({}) - truth).norm(), 0.1);
+  // A start that is far off does no harm beyond that of none.
+  const Vector far = Eigen::Vector2d(-30.0, 100.0);
+  EXPECT_LT((start_from({far}) - start_from({})).norm(), 1e-6);
 }
 
 TEST_F(InitialStatesTest, ScalesAreRmsAndNeverZero) {
