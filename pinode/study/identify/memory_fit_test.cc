@@ -1,0 +1,84 @@
+// Fits of elements with a memory to simulated records of one storey.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pinode/dynamics/feature.h"
+#include "pinode/study/identify/identify.h"
+#include "tests/support/study_testing.h"
+
+namespace pinode {
+namespace {
+
+// Returns one storey with an element to the ground.
+std::shared_ptr<StructuralDynamics> StoreyWith(
+    const std::string& type, const std::vector<double>& values) {
+  auto dynamics = testing::MakeGroupedChain(1, 100.0, 0.5);
+  std::string error;
+  EXPECT_TRUE(dynamics->AddLaw(
+      testing::MakeElement("device", type, 1, Feature::kGround, 0, values),
+      &error))
+      << error;
+  return dynamics;
+}
+
+// Returns a fit of a storey with one element to the acceleration of a storey
+// with another one, with 2 % noise.
+TestFit FitOfStorey(const std::shared_ptr<StructuralDynamics>& model,
+                    const StructuralDynamics& truth) {
+  IdentificationProblem problem;
+  problem.dynamics = model;
+  IdentificationRecord record = testing::MakeExcitedRecord(*model, 600, 0.02);
+  record.start = IdentificationRecord::Start::kRest;
+  record.channels = {
+      testing::MakeChannel("a", Quantity::kAbsoluteAcceleration, 1, 0)};
+  record.substeps = 8;
+  testing::Simulate(truth, truth.Parameters(), Vector::Zero(truth.num_states()),
+                    0.02, 3, &record);
+  record.substeps = 0;
+  problem.records = {record};
+  ChooseStepsOrFail(&problem);
+  TestFit fit;
+  fit.problem = problem;
+  Identification found =
+      Identify(fit.problem, IdentificationOptions(), {}, nullptr);
+  fit.summary = std::move(found.summary);
+  return fit;
+}
+
+const ParameterEstimate* DeviceEstimate(const TestFit& fit,
+                                        const std::string& name) {
+  for (const ParameterEstimate& estimate : fit.summary.parameters) {
+    if (estimate.name == name) return &estimate;
+  }
+  return nullptr;
+}
+
+TEST(MemoryFit, IntervalsHoldTheMaxwellElement) {
+  const TestFit fit = FitOfStorey(StoreyWith("maxwell", {25.0, 6.0}),
+                                  *StoreyWith("maxwell", {40.0, 3.0}));
+  EXPECT_TRUE(fit.summary.usable()) << fit.summary.message;
+  for (const auto& [name, truth] :
+       {std::pair<std::string, double>{"device.k", 40.0}, {"device.c", 3.0}}) {
+    const ParameterEstimate* estimate = DeviceEstimate(fit, name);
+    ASSERT_NE(estimate, nullptr) << name;
+    EXPECT_LE(estimate->lower95, truth) << name;
+    EXPECT_GE(estimate->upper95, truth) << name;
+    EXPECT_LT(estimate->upper95 - estimate->lower95, 0.2 * truth) << name;
+  }
+}
+
+// Friction is no viscoelasticity: the wrong law must not be called good.
+TEST(MemoryFit, WrongLawIsNotGood) {
+  const TestFit fit =
+      FitOfStorey(StoreyWith("maxwell", {25.0, 6.0}),
+                  *StoreyWith("baber_noori", {60.0, 0.15, 0.5, 1.0}));
+  EXPECT_NE(fit.summary.verdict.grade(), Grade::kGood) << fit.summary.message;
+}
+
+}  // namespace
+}  // namespace pinode
