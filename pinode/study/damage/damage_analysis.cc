@@ -13,9 +13,11 @@
 #include "pinode/study/damage/baseline_of_modes.h"
 #include "pinode/study/damage/change_explanations.h"
 #include "pinode/study/damage/change_refit.h"
+#include "pinode/study/damage/damage_remarks.h"
 #include "pinode/study/damage/healthy_records.h"
 #include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/damage/wide_state.h"
+#include "pinode/study/damage/within_doubt.h"
 #include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/inner_fit.h"
@@ -69,9 +71,10 @@ class Analyst {
            std::string* error) {
     for (const Baseline& baseline : baselines_) {
       result_.baselines.push_back(baseline.name);
-      SayWhatIsOpen("baseline '" + baseline.name + "'", baseline.undetermined);
+      RemarkWhatIsOpen("baseline '" + baseline.name + "'",
+                       baseline.undetermined, &result_.remarks);
     }
-    SayWhatIsOpen(kNewRecords, summary.undetermined);
+    RemarkWhatIsOpen(kNewRecords, summary.undetermined, &result_.remarks);
     result_.options = options_;
     fit_of_new_ = {kNewRecords, problem_, summary, model};
     fit_of_groups_ = fit_of_new_;
@@ -296,9 +299,16 @@ class Analyst {
     }
     if (kinds && !AddRivals(error)) return false;
     if (!ExplainChange(options, error)) return false;
-    SayWhatDiffers(healthy, current);
+    RemarkWhatDiffers(healthy, current, groups_, result_.estimate,
+                      &result_.remarks);
     MissedMotion missed = Missed();
-    missed.within_doubt = WithinDoubt(healthy, current, options);
+    // Several baselines show themselves how much records differ.
+    if (healthy.size() == 1) {
+      missed.within_doubt =
+          WithinDoubt({healthy[0], baselines_[0].doubts},
+                      {current, doubts_, MissesMotion(verdict_)}, groups_,
+                      result_.subjects, result_.estimate, options);
+    }
     if (IsOfModes(problem_)) LookForMass(healthy, &missed);
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_, missed);
@@ -313,7 +323,11 @@ class Analyst {
           "Small changes may be side effects.");
     }
     SayWhatExplains();
-    SayWhereAnotherSolutionIs();
+    if (baselines_.size() == 1) {
+      RemarkAnotherSolution("the baseline", baselines_[0].doubts,
+                            &result_.remarks);
+      RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
+    }
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
@@ -322,18 +336,6 @@ class Analyst {
     result_.summary.explanations = std::move(explanations_);
     result_.model = std::move(fit_of_new_.model);
     return true;
-  }
-
-  // Changes of few groups are told by what the others have kept; one along a
-  // direction that is open on either side is told by nothing.
-  void SayWhatIsOpen(const std::string& records,
-                     const std::vector<std::string>& directions) {
-    for (const std::string& direction : directions) {
-      result_.remarks.push_back("Not determined by " + records + ": " +
-                                direction +
-                                ". If all of these change together, nothing "
-                                "is seen.");
-    }
   }
 
   // Nothing where the healthy records' fits are not there.
@@ -348,53 +350,6 @@ class Analyst {
     return missed;
   }
 
-  // Per subject, see MissedMotion. Several baselines show themselves how much
-  // records differ.
-  std::vector<bool> WithinDoubt(const std::vector<GroupState>& healthy,
-                                const GroupState& current,
-                                const ChangeOptions& options) const {
-    std::vector<bool> within(result_.subjects.size(), false);
-    if (healthy.size() != 1) return within;
-    const std::vector<ExplainedValue>& reach_then = baselines_[0].doubts.reach;
-    const bool any_doubt = !reach_then.empty() || !doubts_.reach.empty();
-    for (size_t j = 0; j < groups_.size(); ++j) {
-      const double before = healthy[0].values[static_cast<Eigen::Index>(j)];
-      const double change = result_.estimate.groups[j].change;
-      const double moved =
-          options.absolute[j] ? change : (1.0 + before) * change;
-      const double scale = options.absolute[j] ? 1.0 : 1.0 + before;
-      if (const std::optional<ExplainedValue> under =
-              MovedUnderOne(groups_[j], moved)) {
-        within[j] = !IsLikeChange(moved, *under, options_.threshold * scale);
-        continue;
-      }
-      ExplainedValue then = OffsetsOf(reach_then, groups_[j]);
-      ExplainedValue now = OffsetsOf(doubts_.reach, groups_[j]);
-      // One that is in no doubt has its interval beside the other's reach.
-      if (any_doubt && reach_then.empty()) Widen(healthy[0], j, &then);
-      if (any_doubt && doubts_.reach.empty()) Widen(current, j, &now);
-      within[j] = moved >= then.lower95 - now.upper95 &&
-                  moved <= then.upper95 - now.lower95;
-    }
-    // The healthy fit has no value of masses and of what is in no group, and
-    // held them to be as in the model.
-    for (size_t j = groups_.size(); j < within.size(); ++j) {
-      const ChangeKind kind = result_.subjects[j].kind;
-      if (kind != ChangeKind::kStiffness && kind != ChangeKind::kMass) continue;
-      const ExplainedValue now =
-          OffsetsOf(doubts_.reach, result_.subjects[j].name);
-      const double moved = result_.estimate.groups[j].change;
-      within[j] = (kind == ChangeKind::kStiffness && MissesMotion(verdict_)) ||
-                  (moved >= -now.upper95 && moved <= -now.lower95);
-    }
-    return within;
-  }
-  static void Widen(const GroupState& state, size_t j,
-                    ExplainedValue* offsets) {
-    const auto i = static_cast<Eigen::Index>(j);
-    offsets->upper95 = 1.96 * std::sqrt(std::max(state.covariance(i, i), 0.0));
-    offsets->lower95 = -offsets->upper95;
-  }
   // A mass may have been added, which modes hardly tell from changed stiffness.
   void LookForMass(const std::vector<GroupState>& healthy,
                    MissedMotion* missed) {
@@ -414,51 +369,6 @@ class Analyst {
         "The modes may show a mass instead of changed stiffness: " + mass +
         ".");
   }
-  // Returns how far a group that has `moved` has moved if one explanation of
-  // what the model lacks holds for the healthy records and the new ones;
-  // nothing where there is none that explains both.
-  std::optional<ExplainedValue> MovedUnderOne(const std::string& name,
-                                              double moved) const {
-    const std::optional<Explanation>& then = baselines_[0].doubts.whole;
-    const std::optional<Explanation>& now = doubts_.whole;
-    if (!then || !now || then->kind != now->kind || then->place != now->place) {
-      return std::nullopt;
-    }
-    const ExplainedValue from = OffsetsOf(then->values, name);
-    const ExplainedValue to = OffsetsOf(now->values, name);
-    const double shift =
-        ValueOf(now->values, name) - ValueOf(doubts_.reach, name) -
-        ValueOf(then->values, name) + ValueOf(baselines_[0].doubts.reach, name);
-    const double half_width = std::hypot(from.upper95, to.upper95);
-    if (!std::isfinite(shift) || !std::isfinite(half_width)) {
-      return std::nullopt;
-    }
-    const double value = moved + shift;
-    return ExplainedValue{name, value, value - half_width, value + half_width};
-  }
-  // True if another value of a change is one beyond the threshold as well.
-  static bool IsLikeChange(double moved, const ExplainedValue& other,
-                           double threshold) {
-    return moved < 0.0 ? other.upper95 < -threshold : other.lower95 > threshold;
-  }
-  static double ValueOf(const std::vector<ExplainedValue>& values,
-                        const std::string& name) {
-    for (const ExplainedValue& value : values) {
-      if (value.name == name) return value.value;
-    }
-    return kNaN;
-  }
-  // How far an estimate may be off to either side; nothing where there is none.
-  static ExplainedValue OffsetsOf(const std::vector<ExplainedValue>& values,
-                                  const std::string& name) {
-    for (const ExplainedValue& value : values) {
-      if (value.name != name) continue;
-      return {name, 0.0, value.lower95 - value.value,
-              value.upper95 - value.value};
-    }
-    return {name, 0.0, 0.0, 0.0};
-  }
-
   // The subject of an entry: of groups, then of all candidates. A candidate
   // that was not one becomes one.
   int SubjectOf(int entry) {
@@ -559,55 +469,6 @@ class Analyst {
     result_.remarks.push_back(
         "Nothing but noise is left of the new records with this explanation: " +
         best->what + ". Check it first.");
-  }
-
-  // Such a reach is endless.
-  void SayWhereAnotherSolutionIs() {
-    const auto say = [this](const std::string& whose, const Doubts& doubts) {
-      if (doubts.reach.empty() || std::isfinite(doubts.reach[0].lower95)) {
-        return;
-      }
-      result_.remarks.push_back(
-          "Another solution describes the data of " + whose +
-          " as well, so that no change of a group counts. Add mode shapes, "
-          "sensors or priors.");
-    };
-    if (baselines_.size() != 1) return;
-    say("the baseline", baselines_[0].doubts);
-    say(kNewRecords, doubts_);
-  }
-
-  // The table of parameters is of a fit with everything free.
-  void SayWhatDiffers(const std::vector<GroupState>& healthy,
-                      const GroupState& current) {
-    PooledBaselines pooled;
-    std::string unused;
-    if (!PoolBaselines(healthy, &pooled, &unused)) return;
-    std::vector<std::string> texts;
-    for (size_t j = 0; j < groups_.size(); ++j) {
-      const GroupChange& change = result_.estimate.groups[j];
-      const auto i = static_cast<Eigen::Index>(j);
-      const double before = 1.0 + pooled.state.values[i];
-      if (!change.changed || !(before > 0.1)) continue;
-      const double free = (1.0 + current.values[i]) / before - 1.0;
-      // Less than this nobody notices in two tables.
-      constexpr double kNoticed = 0.02;
-      if (std::abs(free - change.change) < kNoticed ||
-          (change.lower95 <= free && free <= change.upper95)) {
-        continue;
-      }
-      texts.push_back(groups_[j] + " " + FormatNumber(100.0 * free, 3) +
-                      " % instead of " +
-                      FormatNumber(100.0 * change.change, 3) + " %");
-    }
-    if (texts.empty()) return;
-    result_.remarks.push_back(
-        "The two tables differ. In the fit of the table of parameters all "
-        "groups are free. In that of the table of changes only the changed "
-        "groups are. With all groups free: " +
-        Join(texts, ", ") +
-        ". Rely on the table of changes: with all groups free, a change "
-        "spreads over groups that the records cannot tell apart.");
   }
 
   void TakeOver(const ExplainedChange& explained) {

@@ -1,0 +1,62 @@
+#include "pinode/study/damage/damage_remarks.h"
+
+#include <cmath>
+
+#include "pinode/base/strings.h"
+
+namespace pinode {
+
+void RemarkWhatIsOpen(const std::string& records,
+                      const std::vector<std::string>& directions,
+                      std::vector<std::string>* remarks) {
+  for (const std::string& direction : directions) {
+    remarks->push_back("Not determined by " + records + ": " + direction +
+                       ". If all of these change together, nothing is seen.");
+  }
+}
+
+void RemarkAnotherSolution(const std::string& whose, const Doubts& doubts,
+                           std::vector<std::string>* remarks) {
+  if (doubts.reach.empty() || std::isfinite(doubts.reach[0].lower95)) return;
+  remarks->push_back("Another solution describes the data of " + whose +
+                     " as well, so that no change of a group counts. Add mode "
+                     "shapes, sensors or priors.");
+}
+
+void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
+                       const GroupState& current,
+                       const std::vector<std::string>& groups,
+                       const ChangeEstimate& estimate,
+                       std::vector<std::string>* remarks) {
+  // Less than this nobody notices in two tables.
+  constexpr double kNoticed = 0.02;
+
+  PooledBaselines pooled;
+  std::string unused;
+  if (!PoolBaselines(healthy, &pooled, &unused)) return;
+  std::vector<std::string> texts;
+  for (size_t j = 0; j < groups.size(); ++j) {
+    const GroupChange& change = estimate.groups[j];
+    const auto i = static_cast<Eigen::Index>(j);
+    const double before = 1.0 + pooled.state.values[i];
+    if (!change.changed || !(before > 0.1)) continue;
+    const double free = (1.0 + current.values[i]) / before - 1.0;
+    if (std::abs(free - change.change) < kNoticed ||
+        (change.lower95 <= free && free <= change.upper95)) {
+      continue;
+    }
+    texts.push_back(groups[j] + " " + FormatNumber(100.0 * free, 3) +
+                    " % instead of " + FormatNumber(100.0 * change.change, 3) +
+                    " %");
+  }
+  if (texts.empty()) return;
+  remarks->push_back(
+      "The two tables differ. In the fit of the table of parameters all "
+      "groups are free. In that of the table of changes only the changed "
+      "groups are. With all groups free: " +
+      Join(texts, ", ") +
+      ". Rely on the table of changes: with all groups free, a change "
+      "spreads over groups that the records cannot tell apart.");
+}
+
+}  // namespace pinode
