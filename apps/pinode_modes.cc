@@ -30,6 +30,7 @@
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/run/find_frf_modes.h"
 #include "pinode/case/run/find_modes.h"
+#include "pinode/case/sections/modes_data_file.h"
 #include "pinode/case/sections/modes_section.h"
 #include "pinode/report/modes_report.h"
 

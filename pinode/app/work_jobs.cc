@@ -24,6 +24,7 @@
 #include "pinode/case/run/damage_case.h"
 #include "pinode/case/run/find_modes.h"
 #include "pinode/case/sections/case_file.h"
+#include "pinode/case/sections/modes_data_file.h"
 #include "pinode/report/html_report.h"
 #include "pinode/report/modes_report.h"
 

@@ -162,7 +162,7 @@ def main():
         assert "exponential window" in refused.stderr, refused.stderr
         assert refused.stderr.count("\n") == 1, refused.stderr
 
-        # What spoils a test is said.
+        # The program says what spoils a test.
         _, remarks = modes("twice", hammer_test(3, apart=8.0, again=[(16.6, 30.0)]))
         assert "1 blow was left out: the hammer hit again" in remarks, remarks
         cut = hammer_test(4, apart=8.0)

@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/case/sections/modes_data_file.h"
 #include "pinode/case/sections/modes_section.h"
 #include "tests/support/case_testing.h"
 

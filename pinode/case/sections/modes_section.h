@@ -50,25 +50,6 @@ struct ModesCase {
   std::map<std::string, int> record_lines;
 };
 
-// A data file that replaces a case.
-struct ModesDataFile {
-  std::string path;
-  // Names of the channels; "all" alone: every column but the time.
-  std::vector<std::string> columns;
-  // Quantities of the channels: displacement, velocity, acceleration or strain;
-  // one for all, or one for each. Default: acceleration.
-  std::vector<std::string> quantities;
-  // Column of the time. Default, without a sampling rate: "t" or "time", in
-  // seconds.
-  std::string time_column;
-  double sampling_rate_hz = 0.0;
-};
-
-// Reads that file as a case whose channels are places. On failure *error is one
-// line and *c is untouched.
-[[nodiscard]] bool ReadModesDataFile(const ModesDataFile& file, ModesCase* c,
-                                     std::string* error);
-
 // Reads the case file at `path` with the records that it names. On failure
 // *error is one line and *c is untouched.
 [[nodiscard]] bool ReadModesCase(const std::string& path, ModesCase* c,
@@ -79,9 +60,10 @@ struct ModesDataFile {
                                     std::string* error);
 
 // Reads the case `source`, with `data` in place of files that it names, as
-// ReadCaseTree does. `path` is the case's path, or empty.
+// ReadCaseTree does; nullptr: all are files. `path` is the case's path, or
+// empty.
 [[nodiscard]] bool ReadModesTree(const TomlValue& source,
-                                 const std::string& path, const CaseData& data,
+                                 const std::string& path, const CaseData* data,
                                  ModesCase* c, std::string* error);
 
 }  // namespace pinode

@@ -12,6 +12,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/case/results/modes_files.h"
+#include "pinode/case/sections/modes_data_file.h"
 #include "pinode/modal/stabilisation.h"
 #include "pinode/record/files/universal_file.h"
 #include "pinode/study/picture/structure_picture.h"

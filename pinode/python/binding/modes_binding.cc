@@ -16,6 +16,7 @@
 #include "pinode/case/results/modes_files.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/run/find_modes.h"
+#include "pinode/case/sections/modes_data_file.h"
 #include "pinode/case/sections/modes_section.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/modal/identify_modes.h"
@@ -161,7 +162,7 @@ std::shared_ptr<ModesHandle> FromTree(const py::object& tree,
   const auto data = std::make_shared<CaseData>();
   const TomlValue value = TreeFromPython(tree, data.get());
   RequireInterruptibly([handle, value, path, data](std::string* error) {
-    return ReadModesTree(value, path, *data, &handle->c, error);
+    return ReadModesTree(value, path, data.get(), &handle->c, error);
   });
   return handle;
 }

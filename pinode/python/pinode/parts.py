@@ -117,7 +117,7 @@ def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -
         as_mass = "" if size is None else " as mass is"
         raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
     values = np.asarray(matrix.data if hasattr(matrix, "tocsc") else as_matrix(matrix))
-    # What is not a number at all is refused with the case.
+    # Anything but a number is refused with the case.
     if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
         raise Error(f"{where}: {name} has a value that is not finite, expected numbers")
 

@@ -66,7 +66,7 @@ struct FrfEstimate {
   double num_averages = 0.0;
   // One over the time constant of the exponential window, 1 / s.
   double decay_rate = 0.0;
-  // Of blows: length of the blocks, and shortest time between two of them in
+  // For blows: length of the blocks, and shortest time between two of them in
   // one record, in s. 0: there are no two.
   double block_seconds = 0.0, shortest_rest = 0.0;
   FrfExcitation excitation = FrfExcitation::kRandom;

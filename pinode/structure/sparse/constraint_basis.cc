@@ -94,7 +94,7 @@ Matrix ConstraintShapes(const SparseMatrix& stiffness,
   const Vector scale = flexibility.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Matrix> solver(scale.asDiagonal() * flexibility *
                                    scale.asDiagonal());
-  // What displaces the kept DOFs like the columns of `rows`.
+  // Shapes that displace the kept DOFs like the columns of `rows`.
   const auto displaced = [&](const Matrix& rows) -> Matrix {
     return flexible *
            (scale.asDiagonal() * solver.solve(scale.asDiagonal() * rows));

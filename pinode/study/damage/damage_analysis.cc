@@ -179,7 +179,7 @@ class Analyst {
       if (asked_for.empty() && !verdict_.usable()) return true;
       if (!FitWith(asked_for, error)) {
         if (!explains) return false;
-        // What explains the records alone needs nothing beside it.
+        // An explanation of the records alone needs nothing beside it.
         error->clear();
         return true;
       }
