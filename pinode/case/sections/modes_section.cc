@@ -1,7 +1,6 @@
 #include "pinode/case/sections/modes_section.h"
 
 #include <algorithm>
-#include <cctype>
 #include <memory>
 #include <utility>
 
