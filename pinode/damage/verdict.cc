@@ -189,7 +189,7 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
       reason = Reason::kModelError;
     }
     if (HasChanged(reason) &&
-        (IsSet(missed.mass_instead, j) ||
+        (missed.other_solution || IsSet(missed.mass_instead, j) ||
          (!estimate.has_between_records && IsSet(missed.within_doubt, j)))) {
       reason = Reason::kOtherExplanation;
     }

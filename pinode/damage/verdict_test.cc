@@ -330,6 +330,11 @@ TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
   estimate.has_between_records = true;
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
             DamageVerdict::kDamage);
+  // They do not decide between mirrored solutions.
+  missed.other_solution = true;
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kCannotTell);
+  missed.other_solution = false;
   // They do not show that a mass was added.
   missed.mass_instead = {true, false, false};
   EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "pinode/problem/identification_summary.h"
 
 namespace pinode {
@@ -38,7 +40,7 @@ TEST(FitSummary, TiedEstimatesFollowTheirSources) {
   EXPECT_FALSE(parameters[2].at_bound);
 }
 
-TEST(IdentificationSummary, BriefReportIsTwoSentences) {
+TEST(IdentificationSummary, BriefReportSaysVerdictWorkAndErrors) {
   IdentificationSummary summary;
   summary.message = "no step lowers the cost";
   summary.num_iterations = 1;
@@ -53,8 +55,16 @@ TEST(IdentificationSummary, BriefReportIsTwoSentences) {
   score.nrmse = 1.25;
   summary.records.push_back(score);
   EXPECT_EQ(summary.BriefReport(),
-            "not usable: no step lowers the cost after 1 iteration and 0.632 "
-            "s. Error: 'drive' (train) 0.997 %, 'again' (holdout) 125 %.");
+            "Not usable: no step lowers the cost. 1 iteration, 0.632 s. Error: "
+            "'drive' (train) 0.997 %, 'again' (holdout) 125 %.");
+  // The sentence of a finding ends with what to do.
+  summary.message = "another solution fits as well; add sensors to decide";
+  summary.num_iterations = 12;
+  summary.records.pop_back();
+  summary.records[0].nrmse = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(summary.BriefReport(),
+            "Not usable: another solution fits as well; add sensors to decide. "
+            "12 iterations, 0.632 s. Error: 'drive' (train) diverges.");
 }
 
 }  // namespace

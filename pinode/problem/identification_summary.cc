@@ -1,5 +1,6 @@
 #include "pinode/problem/identification_summary.h"
 
+#include <cmath>
 #include <string>
 
 #include "pinode/base/strings.h"
@@ -21,9 +22,11 @@ const char* TerminationName(Termination termination) {
 }
 
 std::string IdentificationSummary::BriefReport() const {
-  std::string text = usable() ? "usable: " : "not usable: ";
-  text += message + " after " + std::to_string(num_iterations) +
-          (num_iterations == 1 ? " iteration" : " iterations") + " and " +
+  std::string text = GradeTitle(verdict.grade());
+  text += ": " + message +
+          (!message.empty() && message.back() == '.' ? " " : ". ") +
+          std::to_string(num_iterations) +
+          (num_iterations == 1 ? " iteration, " : " iterations, ") +
           FormatNumber(seconds, 3) + " s.";
   for (size_t i = 0; i < records.size(); ++i) {
     const RecordScore& record = records[i];
@@ -31,7 +34,9 @@ std::string IdentificationSummary::BriefReport() const {
         (i == 0 ? " Error: '" : ", '") + record.name +
         (record.role == IdentificationRecord::Role::kTrain ? "' (train) "
                                                            : "' (holdout) ") +
-        FormatNumber(100.0 * record.nrmse, 3) + " %";
+        (std::isfinite(record.nrmse)
+             ? FormatNumber(100.0 * record.nrmse, 3) + " %"
+             : "diverges");
   }
   return text + (records.empty() ? "" : ".");
 }

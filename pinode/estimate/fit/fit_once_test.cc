@@ -324,7 +324,7 @@ TEST(Identify, SaysWhereTheTrajectoryExplodes) {
   EXPECT_THAT(chain.summary.message, HasSubstr(" at t = "));
   EXPECT_THAT(chain.summary.message,
               ::testing::AnyOf(HasSubstr("[u1]"), HasSubstr("[u2]")));
-  EXPECT_THAT(chain.summary.BriefReport(), HasSubstr("not usable"));
+  EXPECT_THAT(chain.summary.BriefReport(), HasSubstr("Not usable: "));
 }
 
 // Short segments stand what a free run of the whole record does not.

@@ -100,13 +100,14 @@ bool MayChooseStarts(const IdentificationProblem& problem,
          problem.modal.modes.empty();
 }
 
-// True if a fit predicts hardly better than no motion at all would. A beam that
+// True if a fit breaks down or predicts hardly better than no motion at all
+// would. A beam that
 // was stiffer than its model by up to a quarter ended so at 1.12, with one
 // element 3e4 times too stiff; seven other starts reached 0.047. Wrong sensors
 // and loads end between 0.47 and 0.87.
 bool IsLost(const StartResult& result) {
   constexpr double kLost = 0.9;
-  return !(result.expected_error < kLost);
+  return !result.done || !(result.expected_error < kLost);
 }
 
 // See IdentificationOptions::num_starts.
@@ -365,8 +366,6 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
   std::unique_ptr<Fit> best;
   int num_starts = 0;
   const bool apart = ranks.size() > 1 && results.size() > 1;
-  // Further starts of a fit that is lost, until one is not.
-  constexpr size_t kStartsOfLost = 4;
   bool was_lost = false;
   if (apart) {
     if (!RunApart(starts, &ranks, &results)) {
@@ -395,7 +394,7 @@ std::unique_ptr<Fit> RunStarts(const IdentificationProblem& problem,
     StartResult& result = results[static_cast<size_t>(start)];
     if (fit != nullptr) result = starts.ResultOf(*fit);
     if (fit == nullptr) {
-      if (best == nullptr) *summary = outcome;
+      if (start == 0) *summary = outcome;
     } else if (best == nullptr ||
                IsBetter(problem, result, starts.ResultOf(*best))) {
       best = std::move(fit);

@@ -18,6 +18,10 @@ Vector DrawStart(const IdentificationProblem& problem,
                  const ParameterLayout& layout, const MultistartTuning& tuning,
                  uint64_t seed);
 
+// Most starts of a linear structure's fit that ends lost: it breaks down, or
+// predicts hardly better than no motion would.
+inline constexpr int kStartsOfLost = 4;
+
 // Runs a fit from `initial` (nullptr: from the problem's own values, with
 // pulses from the scan), then from drawn starts. Returns the fit with the
 // smallest expected error or, with modes alone, the smallest cost. *summary is

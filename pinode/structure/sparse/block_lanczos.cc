@@ -37,13 +37,15 @@ class Iteration {
     basis_.resize(n_, room_);
     projected_ = Matrix::Zero(room_, room_);
     Matrix rest = RandomBlock();
+    Vector size = rest.colwise().norm();
     Project(&rest);
     while (true) {
-      const Eigen::Index width = Append(std::move(rest));
+      const Eigen::Index width = Append(std::move(rest), size);
       if (width == 0) break;  // the operator leads nowhere else
       rest = apply_(basis_.middleCols(used_ - width, width));
       ++pairs.steps;
       NoteImage(width, &rest);
+      size = rest.colwise().norm();
       FindRitzPairs(rest);
       if (IsConverged() || pairs.steps >= options_.max_steps) break;
       if (used_ + options_.block > room_ && room_ < free_) Restart();
@@ -89,9 +91,9 @@ class Iteration {
   }
 
   // Appends the directions of `columns`, which Project has passed, to the
-  // basis. Returns their number.
-  Eigen::Index Append(Matrix columns) {
-    const Vector size = columns.colwise().norm();
+  // basis. A column is rounding if too little is left of its `size`. Returns
+  // their number.
+  Eigen::Index Append(Matrix columns, const Vector& size) {
     Eigen::Index width = 0;
     for (Eigen::Index j = 0; j < columns.cols(); ++j) {
       for (int pass = 0; pass < 2; ++pass) {

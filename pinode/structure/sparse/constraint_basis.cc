@@ -1,6 +1,7 @@
 #include "pinode/structure/sparse/constraint_basis.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -63,6 +64,13 @@ int LooseDof(const SparseMatrix& stiffness) {
   return static_cast<int>(loosest);
 }
 
+Eigen::Index NumWithMass(const FiniteElementModel& model,
+                         const std::vector<int>& dofs) {
+  const Vector diagonal = model.mass.diagonal();
+  return std::count_if(dofs.begin(), dofs.end(),
+                       [&](int dof) { return diagonal[dof] > 0.0; });
+}
+
 bool HasAll(const SparseModes& held, int num_modes, std::string* error) {
   if (held.eigenvalues.size() == num_modes) return true;
   *error = std::to_string(num_modes) +
@@ -71,11 +79,15 @@ bool HasAll(const SparseModes& held, int num_modes, std::string* error) {
   return false;
 }
 
-// Shapes that unit displacements of the kept DOFs cause, by the flexibility of
-// the whole, positive definite K.
-Matrix ConstraintShapes(const SparseMatrix& stiffness,
-                        const std::vector<int>& kept,
-                        const ShiftedFactors& factors) {
+// Finds the shapes that unit displacements of the kept DOFs cause, by the
+// flexibility of the whole, positive definite K. Returns false if the kept DOFs
+// are linked so rigidly that rounding is left of their own flexibility.
+bool ConstraintShapes(const SparseMatrix& stiffness,
+                      const std::vector<int>& kept,
+                      const ShiftedFactors& factors, Matrix* result) {
+  // Largest error of a unit displacement before it is set.
+  constexpr double kLargestError = 1e-8;
+
   const auto m = static_cast<Eigen::Index>(kept.size());
   const auto at_kept = [&](const Matrix& shapes) {
     Matrix rows(m, shapes.cols());
@@ -108,21 +120,25 @@ Matrix ConstraintShapes(const SparseMatrix& stiffness,
     rest = factors.Solve(rest);
     shapes -= rest - displaced(at_kept(rest));
   }
+  const double error =
+      (at_kept(shapes) - Matrix::Identity(m, m)).cwiseAbs().maxCoeff();
+  if (!shapes.allFinite() || !(error <= kLargestError)) return false;
   for (Eigen::Index i = 0; i < m; ++i) {
     shapes.row(kept[static_cast<size_t>(i)]) = Matrix::Identity(m, m).row(i);
   }
-  return shapes;
+  result->swap(shapes);
+  return true;
 }
 
-// Computes T of Guyan, followed by `num_modes` columns of modes with the kept
-// DOFs held, from `factors` of the whole, positive definite K.
+// Appends `num_modes` columns of modes with the kept DOFs held to the
+// constraint shapes, from `factors` of the whole, positive definite K.
 bool BasisOfWhole(const FiniteElementModel& model, const Partition& partition,
-                  int num_modes, std::unique_ptr<ShiftedFactors> factors,
-                  Matrix* basis, std::string* error) {
+                  int num_modes, const Matrix& shapes,
+                  std::unique_ptr<ShiftedFactors> factors, Matrix* basis,
+                  std::string* error) {
   const auto num_kept = static_cast<Eigen::Index>(partition.kept.size());
   basis->resize(model.num_dofs(), num_kept + num_modes);
-  basis->leftCols(num_kept) =
-      ConstraintShapes(model.stiffness, partition.kept, *factors);
+  basis->leftCols(num_kept) = shapes;
   if (num_modes == 0) return true;
   SparseModes held;
   if (!ModesFromFactors(model.mass, model.stiffness, partition.kept, num_modes,
@@ -187,9 +203,17 @@ bool ConstraintBasis(const FiniteElementModel& model,
                      const Partition& partition, int num_modes,
                      std::unique_ptr<ShiftedFactors> factors, Matrix* basis,
                      std::string* error) {
-  return factors != nullptr
-             ? BasisOfWhole(model, partition, num_modes, std::move(factors),
-                            basis, error)
+  // Where few DOFs are left, or a quarter of their modes is asked for, the part
+  // of K that they have is solved at once.
+  const auto others = static_cast<Eigen::Index>(partition.others.size());
+  Matrix shapes;
+  return factors != nullptr && others > kAlwaysDense &&
+                 4 * static_cast<Eigen::Index>(num_modes) <=
+                     NumWithMass(model, partition.others) &&
+                 ConstraintShapes(model.stiffness, partition.kept, *factors,
+                                  &shapes)
+             ? BasisOfWhole(model, partition, num_modes, shapes,
+                            std::move(factors), basis, error)
              : BasisOfOthers(model, partition, num_modes, basis, error);
 }
 

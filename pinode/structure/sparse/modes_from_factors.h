@@ -11,6 +11,9 @@
 
 namespace pinode {
 
+// Number of DOFs below which the dense solver is faster.
+inline constexpr int kAlwaysDense = 300;
+
 // Does what ComputeLowestModes does with the DOFs `held` standing still: their
 // rows of the shapes are zero. *factors are those of the positive definite K
 // itself, or nullptr, but not with held DOFs. After success they are the

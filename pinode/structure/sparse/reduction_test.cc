@@ -1,7 +1,12 @@
 #include "pinode/structure/sparse/reduction.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -303,6 +308,60 @@ TEST(ReduceModel, CraigBamptonConvergesWithItsModes) {
   EXPECT_EQ(all.coordinate_names[3], "q1");
   EXPECT_EQ(all.mass, all.mass.transpose());
   EXPECT_EQ(all.stiffness, all.stiffness.transpose());
+}
+
+// T = [1; -Koo^-1 Koc] and modes of Koo, Moo, dense. Returns the eigenvalues of
+// the model in this basis.
+Vector EigenvaluesByDenseReduction(const FiniteElementModel& model,
+                                   const std::vector<int>& kept,
+                                   int num_modes) {
+  const int n = model.num_dofs();
+  std::vector<int> others;
+  for (int i = 0; i < n; ++i) {
+    if (std::count(kept.begin(), kept.end(), i) == 0) others.push_back(i);
+  }
+  const Matrix k = model.stiffness;
+  const Matrix m = model.mass;
+  const Matrix inner = k(others, others);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> modes(
+      inner, m(others, others));
+  const auto c = static_cast<Eigen::Index>(kept.size());
+  Matrix basis = Matrix::Zero(n, c + num_modes);
+  basis(kept, Eigen::seqN(0, c)) = Matrix::Identity(c, c);
+  basis(others, Eigen::seqN(0, c)) = -inner.ldlt().solve(k(others, kept));
+  basis(others, Eigen::seqN(c, num_modes)) =
+      modes.eigenvectors().leftCols(num_modes);
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix>(
+             basis.transpose() * k * basis, basis.transpose() * m * basis,
+             Eigen::EigenvaluesOnly)
+      .eigenvalues();
+}
+
+// Enough DOFs for the factors of the whole. With a rigid link between two kept
+// DOFs these factors know nothing of the link's own flexibility.
+TEST(ReduceModel, CraigBamptonByFactorsOfTheWhole) {
+  for (const double link : {1.0, 1e3, 1e14}) {
+    SCOPED_TRACE(link);
+    FiniteElementModel model = Chain(320, true);
+    model.stiffness.coeffRef(99, 99) += link;
+    model.stiffness.coeffRef(100, 100) += link;
+    model.stiffness.coeffRef(99, 100) -= link;
+    model.stiffness.coeffRef(100, 99) -= link;
+    const ReducedModel reduced = ReduceOrFail(
+        model,
+        Options(ReductionMethod::kCraigBampton, {"u100", "u101", "u320"}, 5));
+    ASSERT_EQ(reduced.mass.rows(), 8);
+    const Vector found =
+        Eigen::GeneralizedSelfAdjointEigenSolver<Matrix>(
+            reduced.stiffness, reduced.mass, Eigen::EigenvaluesOnly)
+            .eigenvalues();
+    const Vector expected =
+        EigenvaluesByDenseReduction(model, {99, 100, 319}, 5);
+    // The highest is that of the link.
+    for (Eigen::Index i = 0; i < 7; ++i) {
+      EXPECT_NEAR(found[i], expected[i], 1e-8 * expected[i] + 1e-16 * link);
+    }
+  }
 }
 
 TEST(ReduceModel, RigidBodyModesStayAtZero) {

@@ -38,8 +38,6 @@ constexpr double kToleranceOfSearch = 1e-3;
 constexpr unsigned kSeedOfSearch = 4711;
 // Columns of a block of right sides.
 constexpr int kBlock = 4;
-// Number of DOFs below which the dense solver is faster.
-constexpr int kAlwaysDense = 300;
 // Number of DOFs above which the dense solver takes too much time and memory.
 constexpr int kLargestDense = 4000;
 // Share of the cancelling parts below which a stiffness depends on the last

@@ -75,6 +75,7 @@ Doubts DoubtsOf(const IdentificationSummary& summary) {
   Doubts doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
   if (HasOtherSolution(summary.verdict)) {
+    doubts.other_solution = true;
     for (const ParameterEstimate& own : summary.parameters) {
       doubts.reach.push_back({own.name, own.value, -kInfinity, kInfinity});
     }

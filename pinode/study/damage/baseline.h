@@ -39,6 +39,7 @@ struct Doubts {
   // also include the result's own intervals, which allow for an incomplete
   // model. Endless if another solution describes the data as well.
   std::vector<ExplainedValue> reach = {};
+  bool other_solution = false;
   // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;
 };

@@ -140,17 +140,22 @@ std::vector<ChangeCandidate> ExplainedCandidates(
         explanation.log_odds < explanations[0].log_odds - limits::kLogOdds) {
       break;
     }
-    if (!(explanation.leaves < limits::kNotedUnexplained)) continue;
+    // One factor on all masses is the same structure in other units: what is
+    // worth as much may stand for it. What else is no candidate, as a sensor,
+    // is likelier than the explanations behind it.
+    if (explanation.kind == "mass" && explanation.place.empty()) continue;
+    if (!(explanation.leaves < limits::kNotedUnexplained)) break;
     const std::vector<std::string> kinds = PartsOf(explanation.kind);
     const std::vector<std::string> places = PartsOf(explanation.place);
-    if (kinds.size() != places.size()) continue;
+    if (kinds.size() != places.size()) break;
     std::vector<ChangeCandidate> named;
     for (size_t i = 0; i < kinds.size(); ++i) {
       const ChangeCandidate* candidate =
           CandidateOf(kinds[i], places[i], candidates);
-      if (candidate != nullptr) named.push_back(*candidate);
+      if (candidate == nullptr) return {};
+      named.push_back(*candidate);
     }
-    if (named.size() == kinds.size()) return named;
+    return named;
   }
   return {};
 }

@@ -30,9 +30,10 @@ std::vector<ChangeCandidate> MakeChangeCandidates(
     const FitSummary& summary, const IdentifiedModel& model);
 
 // Returns the candidates that describe the likeliest of `explanations` (best
-// first) that leaves nothing but noise. Explanations with odds like the best's
-// stand for it, because no data tell them apart. Empty: none leaves only noise,
-// or a part of it is no candidate, as the gain of a sensor.
+// first). One factor on all masses is passed over, because it is the same
+// structure in other units: the next explanation stands for it if its odds are
+// like the best's. Empty: more than noise is left, or a part of the explanation
+// is no candidate, as the gain of a sensor.
 std::vector<ChangeCandidate> ExplainedCandidates(
     const std::vector<Explanation>& explanations,
     const std::vector<ChangeCandidate>& candidates);

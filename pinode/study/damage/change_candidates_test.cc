@@ -223,6 +223,10 @@ TEST_F(ChangeCandidates, FollowExplanationsOfTheNewRecords) {
   EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "sensor_gain", "a1"),
                      MakeExplanation(80.0, 0.001, "damping", "")}),
               IsEmpty());
+  // A sensor is likelier than what stands behind it.
+  EXPECT_THAT(names({MakeExplanation(90.0, 0.001, "sensor_gain", "a1"),
+                     MakeExplanation(89.0, 0.001, "mass", "u1")}),
+              IsEmpty());
   EXPECT_THAT(
       names({MakeExplanation(90.0, 0.001, "sensor_gain+mass", "a1+u1")}),
       IsEmpty());

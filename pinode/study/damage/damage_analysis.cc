@@ -151,8 +151,9 @@ class Analyst {
     // masses and 6 factors on damping as candidates.
     const Candidates explained =
         ExplainedCandidates(explanations_, candidates_);
-    std::string unused;
-    bool explains = !explained.empty() && FitWith(explained, &unused);
+    bool explains = !explained.empty() && FitWith(explained, error);
+    if (interrupted_) return false;
+    error->clear();
     for (int round = 0; round < kMaxRounds; ++round) {
       ChangeEstimate wide;
       if (!WideStates(error) ||
@@ -204,6 +205,7 @@ class Analyst {
                   fit_of_new_.model, fit.problem);
     inner_.Run("with " + std::to_string(candidates.size()) + " more",
                fit.problem, options, &begin, &fit.summary, &fit.model);
+    interrupted_ = fit.summary.termination == Termination::kInterrupted;
     const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
     if (!why_not.empty() || fit.summary.covariance.size() == 0) {
       *error =
@@ -239,7 +241,8 @@ class Analyst {
                " is not usable: " + found.summary.message;
       return false;
     }
-    doubts_ = DoubtsOf(found.summary);
+    // A fit from there looks for no other solution.
+    if (!doubts_.other_solution) doubts_ = DoubtsOf(found.summary);
     verdict_ = std::move(found.summary.verdict);
     choice_ = std::move(found.summary.choice);
     explanations_ = std::move(found.summary.explanations);
@@ -250,12 +253,13 @@ class Analyst {
 
   bool Conclude(bool kinds, std::string* error) {
     if (!verdict_.usable()) {
-      *error =
-          "the fit to the new records is not usable, and no change of another "
-          "kind explains the remaining motion";
+      *error = "the fit to the new records is not usable";
       if (const Explanation* best = ExplanationOfAll()) {
+        *error += ". This explains them: " + best->what +
+                  ". Check it, correct the case and run again";
+      } else {
         *error +=
-            "; nothing but noise is left with this explanation: " + best->what;
+            ", and no change of another kind explains the remaining motion";
       }
       return false;
     }
@@ -302,6 +306,11 @@ class Analyst {
     RemarkWhatDiffers(healthy, current, groups_, result_.estimate,
                       &result_.remarks);
     MissedMotion missed = Missed();
+    missed.other_solution = doubts_.other_solution ||
+                            std::any_of(baselines_.begin(), baselines_.end(),
+                                        [](const Baseline& baseline) {
+                                          return baseline.doubts.other_solution;
+                                        });
     // Several baselines show themselves how much records differ.
     if (healthy.size() == 1) {
       missed.within_doubt =
@@ -323,11 +332,11 @@ class Analyst {
           "Small changes may be side effects.");
     }
     SayWhatExplains();
-    if (baselines_.size() == 1) {
-      RemarkAnotherSolution("the baseline", baselines_[0].doubts,
+    for (const Baseline& baseline : baselines_) {
+      RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
                             &result_.remarks);
-      RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
     }
+    RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
@@ -542,6 +551,7 @@ class Analyst {
   ModelChoice choice_;
   std::vector<Explanation> explanations_;
   double missed_by_groups_ = 0.0;  // see MissedMotion
+  bool interrupted_ = false;
   // Groups and all candidates, see ToLogarithms.
   std::vector<GroupState> healthy_;
   GroupState current_;

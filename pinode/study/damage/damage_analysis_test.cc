@@ -250,6 +250,13 @@ TEST_F(AnalyseDamageTest, ABaselineWithAnotherSolutionNamesNoGroup) {
       << result.judgement.sentence;
   ASSERT_FALSE(result.remarks.empty());
   EXPECT_THAT(result.remarks.back(), HasSubstr("Another solution"));
+  // A second baseline does not decide between the solutions.
+  Baseline second = BaselineOrFail();
+  second.name = "second";
+  ASSERT_TRUE(Analyse(*damaged_, {baseline, second}, {}, &result, &error))
+      << error;
+  EXPECT_EQ(result.judgement.verdict, DamageVerdict::kCannotTell)
+      << result.judgement.sentence;
 }
 
 // Fits of healthy records of another size are no reason to end.

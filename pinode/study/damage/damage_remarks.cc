@@ -17,10 +17,10 @@ void RemarkWhatIsOpen(const std::string& records,
 
 void RemarkAnotherSolution(const std::string& whose, const Doubts& doubts,
                            std::vector<std::string>* remarks) {
-  if (doubts.reach.empty() || std::isfinite(doubts.reach[0].lower95)) return;
+  if (!doubts.other_solution) return;
   remarks->push_back("Another solution describes the data of " + whose +
-                     " as well, so that no change of a group counts. Add mode "
-                     "shapes, sensors or priors.");
+                     " as well, so no group is named. Add mode shapes, sensors "
+                     "or priors to its case and fit it again.");
 }
 
 void RemarkWhatDiffers(const std::vector<GroupState>& healthy,

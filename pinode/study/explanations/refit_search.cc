@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pinode/base/statistics.h"
+#include "pinode/estimate/fit/multistart.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/ambient_suspects.h"
@@ -409,6 +410,8 @@ bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
   begin.decays = from.model.decays;
   IdentificationOptions options = options_;
   if (cold) options.shooting = IdentificationOptions().shooting;
+  // The other starts of a fit that was lost are not for each explanation.
+  if (cold && fit_.num_starts <= kStartsOfLost) options.num_starts = 1;
   inner_.Run("another explanation", refit.problem, options,
              cold ? nullptr : &begin, &refit.fit, &refit.model);
   if (refit.fit.termination == Termination::kInterrupted) {
