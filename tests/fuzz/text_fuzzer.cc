@@ -18,6 +18,11 @@ void ParseText(const std::string& text, const pinode::TextFormat& format) {
       pinode::ParseTextTable(text, "fuzzed", {}, format, &table, &error);
   if (is_read != error.empty()) __builtin_trap();
   if (!is_read) return;
+  pinode::TextOutline outline;
+  if (pinode::ParseTextOutline(text, "fuzzed", format, &outline, &error) &&
+      outline.is_channel.size() != outline.columns.size()) {
+    __builtin_trap();
+  }
   if (table.values.cols() != static_cast<int>(table.columns.size()) ||
       table.num_rows() == 0) {
     __builtin_trap();

@@ -127,6 +127,32 @@ bool FindBinaryColumns(const std::string& path, const LogOptions& options,
   return true;
 }
 
+// Makes the clock that is not ignored the time. Fails if there are two.
+bool ChooseClock(const LogOptions& options, const std::string& path,
+                 TextOutline* outline, std::string* error) {
+  if (outline->other_clocks.empty()) return true;
+  std::vector<int> clocks = outline->other_clocks;
+  clocks.insert(clocks.begin(), outline->time_column);
+  const auto column = [outline](int place) -> const TextColumn& {
+    return outline->columns[static_cast<size_t>(place)];
+  };
+  clocks.erase(std::remove_if(clocks.begin(), clocks.end(),
+                              [&](int place) {
+                                return Contains(options.ignored, column(place));
+                              }),
+               clocks.end());
+  if (clocks.size() > 1) {
+    *error = path + ": the times of '" + column(clocks[0]).name + "' and '" +
+             column(clocks[1]).name +
+             "' differ, and a column may belong to either. Leave out one of "
+             "them and its columns, by --ignore=" +
+             column(clocks[1]).name + ",COLUMN,...";
+    return false;
+  }
+  if (!clocks.empty()) outline->time_column = clocks[0];
+  return true;
+}
+
 // Reads a file that is no text: of a logger, universal or of arrays.
 bool ReadBinaryLog(const LogOptions& options, LogFile* log,
                    DraftQuestion* question, std::string* error) {
@@ -205,20 +231,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   format.time_unit = options.time_unit;
   TextOutline outline;
   if (!ReadTextOutline(path, format, &outline, error)) return false;
-  if (outline.second_clock >= 0) {
-    const auto name = [&outline](int column) {
-      return outline.columns[static_cast<size_t>(column)];
-    };
-    const TextColumn second = name(outline.second_clock);
-    if (!Contains(options.ignored, second)) {
-      *error = path + ": the times of '" + name(outline.time_column).name +
-               "' and '" + second.name +
-               "' differ, and a column may belong to either. Leave out one of "
-               "them and its columns, by --ignore=" +
-               second.name + ",COLUMN,...";
-      return false;
-    }
-  }
+  if (!ChooseClock(options, path, &outline, error)) return false;
   std::vector<std::string> wanted;
   const bool needs_time = options.sampling_rate_hz == 0.0;
   if (needs_time) {

@@ -86,6 +86,14 @@ TEST(LogFileTest, TwoClocksAreNotOne) {
   options.ignored = {"t2", "acc_1"};
   ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
   EXPECT_THAT(log.ColumnNames(), ElementsAre("base"));
+  // The other clock, named or not.
+  options.ignored = {"t1", "base"};
+  for (const char* time : {"", "t2"}) {
+    options.time = time;
+    ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+    EXPECT_EQ(log.time_column, "t2");
+    EXPECT_THAT(log.ColumnNames(), ElementsAre("acc_1"));
+  }
 }
 
 }  // namespace

@@ -144,9 +144,9 @@ class DataFileReader {
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
     columns_.clear();
-    if (outline_.second_clock >= 0) {
+    if (!outline_.other_clocks.empty()) {
       return Fail("the times of '" + NameOf(outline_.time_column) + "' and '" +
-                  NameOf(outline_.second_clock) +
+                  NameOf(outline_.other_clocks.front()) +
                   "' differ, and a column may belong to either; expected the "
                   "time and the columns of one of them");
     }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/file.h"
@@ -10,6 +11,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/base/text_encoding.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/base/units.h"
 #include "pinode/record/files/text_rows.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
@@ -98,7 +100,10 @@ bool RiseEvenly(const Eigen::Ref<const Vector>& values, double* step) {
 // "time" of "Time[2]". Empty: the name is none of a time.
 std::string BaseOfTime(const TextColumn& column) {
   std::string name = LowerCase(column.short_name);
-  if (!name.empty() && name.back() == ']') name.resize(name.rfind('['));
+  const size_t bracket = name.rfind('[');
+  if (!name.empty() && name.back() == ']' && bracket != std::string::npos) {
+    name.resize(bracket);
+  }
   std::string unused;
   std::string plain;
   SplitUnitOfName(name, &plain, &unused);
@@ -132,26 +137,67 @@ bool Differ(const std::string& text, const TextLayout& layout, int first,
   return false;
 }
 
-// Finds a second clock beside the time of an outline: a column of the same name
-// but for a number, with other times.
-void FindSecondClock(const std::string& text, const TextLayout& layout,
+// Returns the number of seconds that a column of times counts in; 0: its unit
+// is not stated.
+double SecondsOf(const TextColumn& column) {
+  std::string unit = column.unit;
+  if (unit.empty()) unit = UnitOfTimeName(column.short_name);
+  double factor = 0.0;
+  std::string unused;
+  return !unit.empty() && UnitFactor(unit, Dimension::kTime, UnitSystem(),
+                                     &factor, &unused)
+             ? factor
+             : 0.0;
+}
+
+// True if two columns of numbers are other times. Counts since 1970 and elapsed
+// times may be one clock, so they are not compared.
+bool AreOtherTimes(const Vector& first, double first_seconds,
+                   const Vector& second, double second_seconds) {
+  // Share of a step that roundings may differ by.
+  constexpr double kOneClock = 0.02;
+  if ((first[0] > kLeastTicks) != (second[0] > kLeastTicks)) return false;
+  const double steps = static_cast<double>(first.size() - 1);
+  const auto differ = [&](double factor, double other_factor) {
+    const Vector one = first * factor;
+    const Vector difference = one - second * other_factor;
+    const double step = (one[one.size() - 1] - one[0]) / steps;
+    // Ticks since 1970 have 16 digits.
+    return !(difference.cwiseAbs().maxCoeff() <=
+             kOneClock * step + 1e-15 * one.cwiseAbs().maxCoeff());
+  };
+  const auto or_second = [](double seconds) {
+    return seconds > 0.0 ? seconds : 1.0;
+  };
+  const bool one_is_stated = (first_seconds > 0.0) != (second_seconds > 0.0);
+  return differ(or_second(first_seconds), or_second(second_seconds)) &&
+         !(one_is_stated && !differ(1.0, 1.0));
+}
+
+// Finds other clocks beside the time of an outline: columns of the same name
+// but for a number and the unit, with other times. Clock times and numbers side
+// by side are taken for one clock.
+void FindOtherClocks(const std::string& text, const TextLayout& layout,
                      const Matrix& rows, TextOutline* outline) {
-  const size_t time = static_cast<size_t>(outline->time_column);
-  const std::string base = BaseOfTime(outline->columns[time]);
+  const int time = outline->time_column;
+  const TextColumn& own = outline->columns[static_cast<size_t>(time)];
+  const std::string base = BaseOfTime(own);
   if (base.empty()) return;
   for (size_t i = 0; i < outline->columns.size(); ++i) {
     const TextColumn& column = outline->columns[i];
     const int place = static_cast<int>(i);
+    const bool is_number = column.kind == CellKind::kNumber;
     double step = 0.0;
     // Temperatures may be called T1 and T2.
-    const bool is_clock = column.kind == CellKind::kNumber
-                              ? RiseEvenly(rows.col(place), &step)
-                              : column.kind == outline->columns[time].kind;
-    if (i == time || !is_clock || BaseOfTime(column) != base) continue;
+    const bool is_clock = is_number ? RiseEvenly(rows.col(place), &step)
+                                    : column.kind == own.kind;
+    if (place == time || !is_clock || BaseOfTime(column) != base) continue;
     outline->is_channel[i] = false;
-    if (outline->second_clock < 0 &&
-        Differ(text, layout, outline->time_column, place)) {
-      outline->second_clock = place;
+    if (column.kind == own.kind &&
+        (is_number ? AreOtherTimes(rows.col(time), SecondsOf(own),
+                                   rows.col(place), SecondsOf(column))
+                   : Differ(text, layout, time, place))) {
+      outline->other_clocks.push_back(place);
     }
   }
 }
@@ -207,7 +253,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       outline.is_channel[i] = false;
     }
   }
-  FindSecondClock(text, layout, rows, &outline);
+  FindOtherClocks(text, layout, rows, &outline);
   return outline;
 }
 
@@ -216,7 +262,13 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
 bool ReadTextOutline(const std::string& path, const TextFormat& format,
                      TextOutline* outline, std::string* error) {
   std::string text;
-  if (!ReadTextOfAnyEncoding(path, &text, error)) return false;
+  return ReadTextOfAnyEncoding(path, &text, error) &&
+         ParseTextOutline(std::move(text), path, format, outline, error);
+}
+
+bool ParseTextOutline(std::string text, const std::string& path,
+                      const TextFormat& format, TextOutline* outline,
+                      std::string* error) {
   // The end of a line, in any encoding.
   if (text.size() > kOutlineBytes) {
     const size_t end = text.find('\n', kOutlineBytes);

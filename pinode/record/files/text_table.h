@@ -45,9 +45,9 @@ struct TextOutline {
   std::vector<TextColumn> columns;
   // Column that is the time by its name or contents, or -1.
   int time_column = -1;
-  // Another time column that differs from the first, such as `t2` beside `t1`;
-  // -1: none. The channels may then belong to either clock.
-  int second_clock = -1;
+  // Other time columns that differ from it, such as `t2` beside `t1`. The
+  // channels may then belong to any of the clocks.
+  std::vector<int> other_clocks;
   // True for channels: columns that are not the time or a part of it, another
   // time, row numbers or texts.
   std::vector<bool> is_channel;
@@ -57,6 +57,11 @@ struct TextOutline {
 [[nodiscard]] bool ReadTextOutline(const std::string& path,
                                    const TextFormat& format,
                                    TextOutline* outline, std::string* error);
+
+// Does the same for a text in memory.
+[[nodiscard]] bool ParseTextOutline(std::string text, const std::string& path,
+                                    const TextFormat& format,
+                                    TextOutline* outline, std::string* error);
 
 }  // namespace pinode
 
