@@ -60,9 +60,6 @@ std::shared_ptr<FrfHandle> EstimateFromArrays(
     throw Error("excitation is '" + excitation +
                 "', expected automatic, blows, random or periodic");
   }
-  const double samples = block / step;
-  if (!(samples < 1e9)) throw Error("block is longer than any record");
-  options.block_samples = static_cast<Eigen::Index>(std::llround(samples));
   options.overlap = overlap;
   options.force_window = force_window;
   options.exponential_window = exponential_window;
@@ -71,7 +68,10 @@ std::shared_ptr<FrfHandle> EstimateFromArrays(
   bool ok = false;
   {
     py::gil_scoped_release release;
-    ok = EstimateFrfs(all, options, &handle->estimate, &error) &&
+    // Records and step are checked first where no block is given.
+    ok = (block == 0.0 || all.empty() ||
+          FindFrfBlock(all, block, &options, &error)) &&
+         EstimateFrfs(all, options, &handle->estimate, &error) &&
          AssembleFrequencyResponses(
              SingleFrfs(handle->estimate, "record", responses, references,
                         derivative),

@@ -163,6 +163,7 @@ class BlowFinder {
   BlowFinder(const std::vector<ForcedRecord>& records, Index block_samples,
              double decay_per_sample, BlowSearch* search)
       : records_(records),
+        is_given_(block_samples > 0),
         decay_per_sample_(decay_per_sample),
         search_(*search) {
     const Vector largest = LargestForces(records);
@@ -170,11 +171,17 @@ class BlowFinder {
       pulses_.push_back(FindPulses(SizesOf(record, largest)));
     }
     search_.block_samples =
-        block_samples > 0 ? block_samples : FastLength(ChooseLength());
+        is_given_ ? block_samples : FastLength(ChooseLength());
   }
 
   bool Find(std::string* error) {
     if (search_.block_samples < kFewestSamples) {
+      if (is_given_) {
+        *error = "block has " + std::to_string(search_.block_samples) +
+                 " samples, expected at least " +
+                 std::to_string(kFewestSamples) + " for blows of a hammer";
+        return false;
+      }
       *error =
           "no blow of a hammer was found, or the blows follow each other at "
           "once; set excitation = \"random\" for other forces";
@@ -199,15 +206,18 @@ class BlowFinder {
     std::vector<double> distances;
     Index rest = 0;
     for (size_t r = 0; r < records_.size(); ++r) {
-      Index last = -1;
+      Index last_begin = -1;
+      Index last_first = 0;
       for (const ForcePulse& pulse : pulses_[r]) {
         if (pulse.peak < kBlow) continue;
-        const Index begin = pulse.begin - Before(pulse);
-        if (last >= 0) distances.push_back(static_cast<double>(begin - last));
-        last = begin;
+        if (last_begin >= 0) {
+          distances.push_back(static_cast<double>(pulse.begin - last_begin));
+        }
+        last_begin = pulse.begin;
+        last_first = std::max<Index>(0, pulse.begin - Before(pulse));
       }
-      if (last < 0) continue;
-      const Index own = records_[r].forces.cols() - std::max<Index>(0, last);
+      if (last_begin < 0) continue;
+      const Index own = records_[r].forces.cols() - last_first;
       rest = rest == 0 ? own : std::min(rest, own);
     }
     if (distances.empty()) return rest;
@@ -241,6 +251,10 @@ class BlowFinder {
         continue;
       }
       free_from = first + search_.block_samples;
+      if (pulse.end + Tenth() > free_from) {
+        ++unfinished_;
+        continue;
+      }
       const auto is_cut_off = [&](const Matrix& rows,
                                   const std::vector<double>& resolutions) {
         for (Index i = 0; i < rows.rows(); ++i) {
@@ -261,6 +275,7 @@ class BlowFinder {
       } else {
         search_.blocks.push_back({r, first, pulse.end - first});
         Watch(record, first, pulse.end);
+        NoteRest(r, p);
       }
     }
   }
@@ -304,9 +319,23 @@ class BlowFinder {
     return false;
   }
 
+  // Notes the rest before the blow. Blows that are left out end it too.
+  void NoteRest(size_t r, size_t p) {
+    for (size_t i = p; i-- > 0;) {
+      if (pulses_[r][i].peak < kBlow) continue;
+      const Index rest = pulses_[r][p].begin - pulses_[r][i].begin;
+      search_.shortest_rest = search_.shortest_rest == 0
+                                  ? rest
+                                  : std::min(search_.shortest_rest, rest);
+      return;
+    }
+  }
+
+  Index Tenth() const { return search_.block_samples / 10; }
+
   // Notes how much of the vibration is left at the end of a block.
   void Watch(const ForcedRecord& record, Index first, Index begin) {
-    const Index tenth = search_.block_samples / 10;
+    const Index tenth = Tenth();
     Vector sizes(record.responses.rows());
     for (Index o = 0; o < sizes.size(); ++o) {
       sizes[o] =
@@ -336,6 +365,11 @@ class BlowFinder {
       search_.remarks.push_back(BlowsText(incomplete_) +
                                 ": the record does not hold the whole block.");
     }
+    if (unfinished_ > 0) {
+      search_.remarks.push_back(
+          BlowsText(unfinished_) +
+          ": the block ends before the blow does. Set a longer block.");
+    }
     const double left = left_.empty() ? 0.0 : Median(left_);
     if (left > kMuchLeft) {
       search_.remarks.push_back(
@@ -348,11 +382,12 @@ class BlowFinder {
   }
 
   const std::vector<ForcedRecord>& records_;
+  const bool is_given_;  // the length of the blocks
   const double decay_per_sample_;
   BlowSearch& search_;
   std::vector<std::vector<ForcePulse>> pulses_;
   std::vector<double> left_;
-  int hit_twice_ = 0, cut_off_ = 0, incomplete_ = 0;
+  int hit_twice_ = 0, cut_off_ = 0, incomplete_ = 0, unfinished_ = 0;
 };
 
 }  // namespace
@@ -384,7 +419,7 @@ Eigen::Index FastLength(Eigen::Index samples) {
   for (Index fives = 1; fives <= samples; fives *= 5) {
     for (Index threes = fives; threes <= samples; threes *= 3) {
       Index twos = threes;
-      while (2 * twos <= samples) twos *= 2;
+      while (twos <= samples / 2) twos *= 2;
       best = std::max(best, twos);
     }
   }

@@ -29,6 +29,9 @@ struct FrfBlock {
 struct BlowSearch {
   std::vector<FrfBlock> blocks;
   Eigen::Index block_samples = 0;
+  // Samples from any blow to the next one in `blocks`, the fewest; 0: there is
+  // none before.
+  Eigen::Index shortest_rest = 0;
   // One sentence for each kind of blow that was left out, and for blocks that
   // are too short for the vibration.
   std::vector<std::string> remarks;
@@ -42,8 +45,9 @@ bool HasBlows(const std::vector<ForcedRecord>& records);
 // hammer hits again within its block (5 % of the peak or more), if its force or
 // a response is cut off at the range of the instrument (a plateau, or the same
 // largest force as another blow), or if its block is not
-// complete. `decay_per_sample`: of the exponential window, 0 without it; it
-// serves the remark on short blocks. Fails with a sentence if no blow is left.
+// complete or ends before the blow does. `decay_per_sample`: of the exponential
+// window, 0 without it; it serves the remark on short blocks. Fails with a
+// sentence if no blow is left.
 [[nodiscard]] bool FindBlows(const std::vector<ForcedRecord>& records,
                              Eigen::Index block_samples,
                              double decay_per_sample, BlowSearch* search,

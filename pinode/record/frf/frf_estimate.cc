@@ -22,6 +22,8 @@ using Eigen::Index;
 constexpr Index kBlocksWanted = 16;
 constexpr Index kSmallestBlock = 64;
 constexpr Index kLargestBlock = 65536;
+// Samples that any block needs.
+constexpr Index kFewestBlockSamples = 4;
 // Inverse of 1 - coherence between forces from which they are one force.
 constexpr double kOneForce = 1e8;
 // Power of a line relative to the largest one below which a periodic force has
@@ -87,6 +89,7 @@ class FrfEstimation {
 
   bool Run() {
     if (!Check() || !FindBlocks()) return false;
+    result_.block_seconds = static_cast<double>(block_) * step();
     FrfSpectra spectra(NumLines(), num_references(), num_responses());
     AddBlocks(&spectra);
     return Solve(spectra);
@@ -178,15 +181,7 @@ class FrfEstimation {
     block_ = search.block_samples;
     result_.remarks = std::move(search.remarks);
     result_.num_averages = static_cast<double>(blocks_.size());
-    result_.block_seconds = static_cast<double>(block_) * step();
-    for (size_t i = 1; i < blocks_.size(); ++i) {
-      if (blocks_[i].record != blocks_[i - 1].record) continue;
-      const double rest =
-          static_cast<double>(blocks_[i].first - blocks_[i - 1].first) * step();
-      if (result_.shortest_rest == 0.0 || rest < result_.shortest_rest) {
-        result_.shortest_rest = rest;
-      }
-    }
+    result_.shortest_rest = static_cast<double>(search.shortest_rest) * step();
     window_ = Vector::Ones(block_);
     for (Index k = 0; k < block_; ++k) {
       window_[k] =
@@ -194,7 +189,8 @@ class FrfEstimation {
     }
     force_window_ = window_;
     if (!(options_.force_window > 0.0)) return true;
-    const Index end = static_cast<Index>(options_.force_window / step());
+    const Index end = static_cast<Index>(
+        std::min(options_.force_window / step(), static_cast<double>(block_)));
     const Index taper = std::max<Index>(1, end / 4);
     for (const FrfBlock& block : blocks_) {
       if (block.pulse_end <= end) continue;
@@ -224,7 +220,7 @@ class FrfEstimation {
         block_ *= 2;
       }
     }
-    if (block_ > samples || block_ < 4) {
+    if (block_ > samples || block_ < kFewestBlockSamples) {
       return Fail("a block has " + std::to_string(block_) +
                   " samples, expected 4 to the " + std::to_string(samples) +
                   " of a record");
@@ -255,7 +251,7 @@ class FrfEstimation {
     if (num_references() > 1) {
       return Fail("periodic excitation is for one force; use random");
     }
-    if (block_ < 4) {
+    if (block_ < kFewestBlockSamples) {
       return Fail(
           "periodic excitation needs its period: set block to it, in s");
     }
@@ -323,16 +319,25 @@ class FrfEstimation {
 
   bool Solve(const FrfSpectra& spectra) {
     const Index lines = spectra.num_lines();
-    Vector power(lines);
+    Vector power(lines), least(lines);
+    Vector largest = Vector::Zero(num_references());
     for (Index k = 0; k < lines; ++k) {
       const Vector own = spectra.xx[static_cast<size_t>(k)].diagonal().real();
       power[k] = own.maxCoeff();
+      least[k] = own.minCoeff();
+      largest = largest.cwiseMax(own);
+    }
+    for (Index j = 0; j < num_references(); ++j) {
+      if (largest[j] > 0.0) continue;
+      return Fail("force " + std::to_string(j + 1) +
+                  " does not act in the blocks; leave it out");
     }
     power /= std::max(1e-300, power.maxCoeff());
     const bool periodic = result_.excitation == FrfExcitation::kPeriodic;
     std::vector<Index> used;
     for (Index k = 0; k < lines; ++k) {
-      if (!periodic || power[k] > kNoPeriodicForce) used.push_back(k);
+      const bool acts = periodic ? power[k] > kNoPeriodicForce : least[k] > 0.0;
+      if (acts) used.push_back(k);
     }
     const Index count = static_cast<Index>(used.size());
     const Index pairs = num_references() * num_responses();
@@ -365,18 +370,14 @@ class FrfEstimation {
     const ComplexMatrix& xx = spectra.xx[static_cast<size_t>(line)];
     const ComplexMatrix& yx = spectra.yx[static_cast<size_t>(line)];
     const Vector scale = xx.diagonal().real().cwiseSqrt();
-    const double hz =
-        static_cast<double>(line + 1) / (static_cast<double>(block_) * step());
-    if (!(scale.minCoeff() > 0.0)) {
-      return Fail("there is no force at " + FormatNumber(hz, 4) + " Hz");
-    }
     const ComplexMatrix alike = scale.cwiseInverse().asDiagonal() * xx *
                                 scale.cwiseInverse().asDiagonal();
     const Eigen::LDLT<ComplexMatrix> factor(alike);
     const ComplexMatrix inverse = factor.solve(
         ComplexMatrix::Identity(num_references(), num_references()));
     if (!(inverse.diagonal().real().maxCoeff() < kOneForce)) {
-      return Fail("the forces cannot be told apart at " + FormatNumber(hz, 4) +
+      return Fail("the forces cannot be told apart at " +
+                  FormatNumber(result_.frequencies_hz[to], 4) +
                   " Hz: they are multiples of each other; give one of them, "
                   "or more blocks");
     }
@@ -488,6 +489,30 @@ bool EstimateFrfs(const std::vector<ForcedRecord>& records,
                   std::string* error) {
   *estimate = FrfEstimate();
   return FrfEstimation(records, options, estimate, error).Run();
+}
+
+bool FindFrfBlock(const std::vector<ForcedRecord>& records, double seconds,
+                  FrfEstimateOptions* options, std::string* error) {
+  const double step = records[0].sampling_step;
+  Index longest = 0;
+  for (const ForcedRecord& record : records) {
+    longest = std::max(longest, record.forces.cols());
+  }
+  const double samples = seconds / step;
+  if (!(samples > static_cast<double>(kFewestBlockSamples) - 0.5) ||
+      !(samples < static_cast<double>(longest) + 0.5)) {
+    *error = "block is " + FormatNumber(seconds, 4) + " s, expected " +
+             FormatNumber(static_cast<double>(kFewestBlockSamples) * step, 4) +
+             " s (" + std::to_string(kFewestBlockSamples) + " samples) to " +
+             FormatNumber(static_cast<double>(longest) * step, 6) +
+             " s (the longest record)";
+    return false;
+  }
+  options->block_samples = static_cast<Index>(std::lround(samples));
+  if (options->excitation != FrfExcitation::kPeriodic) {
+    options->block_samples = FastLength(options->block_samples);
+  }
+  return true;
 }
 
 std::vector<FrequencyResponse> SingleFrfs(

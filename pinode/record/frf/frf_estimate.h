@@ -48,7 +48,7 @@ struct FrfEstimateOptions {
 };
 
 struct FrfEstimate {
-  // Lines between 0 and half the sampling rate; of kPeriodic those with force.
+  // Lines between 0 and half the sampling rate at which all forces act.
   Vector frequencies_hz;
   // Column `response + responses * reference` is one pair.
   ComplexMatrix values;
@@ -66,9 +66,11 @@ struct FrfEstimate {
   double num_averages = 0.0;
   // One over the time constant of the exponential window, 1 / s.
   double decay_rate = 0.0;
-  // For blows: length of the blocks, and shortest time between two of them in
-  // one record, in s. 0: there are no two.
-  double block_seconds = 0.0, shortest_rest = 0.0;
+  // Length of the blocks, in s.
+  double block_seconds = 0.0;
+  // For blows: shortest time from any blow to the next one that is used, in s.
+  // 0: there are no two.
+  double shortest_rest = 0.0;
   FrfExcitation excitation = FrfExcitation::kRandom;
   std::vector<std::string> remarks;
 };
@@ -83,6 +85,14 @@ constexpr double kFewestAveragesForWeights = 8.0;
 [[nodiscard]] bool EstimateFrfs(const std::vector<ForcedRecord>& records,
                                 const FrfEstimateOptions& options,
                                 FrfEstimate* estimate, std::string* error);
+
+// Sets options->block_samples to a block of `seconds`, which is shortened to a
+// length that is fast to transform unless it is a period. Fails with a sentence
+// if it is not within 4 samples and the longest record. `records`: at least
+// one.
+[[nodiscard]] bool FindFrfBlock(const std::vector<ForcedRecord>& records,
+                                double seconds, FrfEstimateOptions* options,
+                                std::string* error);
 
 // Returns single FRFs of the estimate, for AssembleFrequencyResponses. `file`:
 // for messages. `derivative`: what the responses measured, as in

@@ -274,6 +274,65 @@ TEST(FrfEstimateTest, BlowsAreFoundAndBadOnesLeftOut) {
   }
 }
 
+FrfEstimate EstimateBlows(const Vector& force, Index block_samples,
+                          std::string* error) {
+  FrfEstimateOptions options;
+  options.excitation = FrfExcitation::kBlows;
+  options.block_samples = block_samples;
+  FrfEstimate estimate;
+  if (EstimateFrfs({Respond(force)}, options, &estimate, error)) error->clear();
+  return estimate;
+}
+
+// A pulse behind another one, wider than their distance, once ended the search
+// beyond its list.
+TEST(FrfEstimateTest, WidePulseBehindANarrowOne) {
+  Vector force = Vector::Zero(2000);
+  force.segment(100, 2).setOnes();
+  force.segment(110, 50).setConstant(0.5);
+  std::string error;
+  EstimateBlows(force, 0, &error);
+  EXPECT_THAT(error, HasSubstr("the blows follow each other at once"));
+}
+
+TEST(FrfEstimateTest, BlocksHoldTheWholeBlow) {
+  Vector force = Vector::Zero(133);
+  force.segment(100, 32).setOnes();
+  std::string error;
+  EstimateBlows(force, 32, &error);
+  EXPECT_THAT(error, HasSubstr("the block ends before the blow does"));
+  EstimateBlows(force, 31, &error);
+  EXPECT_THAT(error, HasSubstr("block has 31 samples, expected at least 32"));
+}
+
+// The structure still vibrates from a blow that is left out.
+TEST(FrfEstimateTest, RestIsFromAnyBlow) {
+  Vector force = Vector::Zero(20000);
+  for (const Index at : {500, 6500, 10000, 16000}) AddBlow(at, 100.0, &force);
+  AddBlow(6560, 20.0, &force);  // the hammer hits again
+  std::string error;
+  const FrfEstimate estimate = EstimateBlows(force, 3000, &error);
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(estimate.num_blocks, 3);
+  EXPECT_NEAR(estimate.shortest_rest, 3.44, 0.01);
+  EXPECT_NEAR(estimate.block_seconds, 3.0, 1e-12);
+}
+
+TEST(FrfEstimateTest, BlockIsWithinTheRecords) {
+  const std::vector<ForcedRecord> records = {MakeTwoForces(2000, 1)};
+  std::string error;
+  FrfEstimateOptions options;
+  for (const double seconds : {-1.0, 0.004, 20.01, 1e300, kNaN}) {
+    EXPECT_FALSE(FindFrfBlock(records, seconds, &options, &error)) << seconds;
+    EXPECT_THAT(error, HasSubstr("expected 0.04 s (4 samples) to 20 s"));
+  }
+  ASSERT_TRUE(FindFrfBlock(records, 10.23, &options, &error)) << error;
+  EXPECT_EQ(options.block_samples, 1000);
+  options.excitation = FrfExcitation::kPeriodic;
+  ASSERT_TRUE(FindFrfBlock(records, 10.23, &options, &error)) << error;
+  EXPECT_EQ(options.block_samples, 1023);
+}
+
 TEST(FrfEstimateTest, ExponentialWindowIsAKnownShift) {
   Vector force = Vector::Zero(9000);
   for (const Index at : {100, 900, 1700, 2500, 3300, 4100, 4900, 5700, 6500}) {

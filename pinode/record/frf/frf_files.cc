@@ -26,10 +26,6 @@ constexpr int kReactionForce = 9;
 constexpr int kExcitationForce = 13;
 constexpr int kFrequency = 18;
 
-std::string PlaceOf(const std::string& name, int node, int direction) {
-  return node != 0 || direction != 0 ? UniversalPlace(node, direction) : name;
-}
-
 Vector LinesOf(const UniversalFunction& f) {
   if (!f.is_even()) return f.abscissa;
   const double last =
@@ -90,12 +86,30 @@ constexpr char kResponseText[] = "response ";
 constexpr char kReferenceText[] = "reference ";
 constexpr size_t kLongestName = 10;
 
-void SetLongName(const UniversalFunction& f, const std::string& begin,
-                 std::string* place) {
-  if (place->size() != kLongestName) return;
+// Returns the place in full. `begin`: kResponseText or kReferenceText.
+std::string LongPlace(const UniversalFunction& f, const std::string& begin,
+                      const std::string& name, int node, int direction) {
+  if (node != 0 || direction != 0) return UniversalPlace(node, direction);
   for (const std::string& text : f.texts) {
-    if (text.rfind(begin + *place, 0) == 0) *place = text.substr(begin.size());
+    if (text.rfind(begin, 0) != 0) continue;
+    const std::string place = text.substr(begin.size());
+    // Blanks at the end of a name are lost.
+    if (place.size() > kLongestName &&
+        StripBlanks(place.substr(0, kLongestName)) == StripBlanks(name)) {
+      return place;
+    }
   }
+  return name;
+}
+
+std::string ResponseOf(const UniversalFunction& f) {
+  return LongPlace(f, kResponseText, f.response_name, f.response_node,
+                   f.response_direction);
+}
+
+std::string ReferenceOf(const UniversalFunction& f) {
+  return LongPlace(f, kReferenceText, f.reference_name, f.reference_node,
+                   f.reference_direction);
 }
 
 // Sets name, or node and direction.
@@ -105,12 +119,8 @@ void SetUniversalPlace(const std::string& place, std::string* name, int* node,
 }
 
 bool SamePair(const UniversalFunction& a, const UniversalFunction& b) {
-  return a.response_node == b.response_node &&
-         a.response_direction == b.response_direction &&
-         a.reference_node == b.reference_node &&
-         a.reference_direction == b.reference_direction &&
-         a.response_name == b.response_name &&
-         a.reference_name == b.reference_name && a.size() == b.size();
+  return ResponseOf(a) == ResponseOf(b) && ReferenceOf(a) == ReferenceOf(b) &&
+         a.size() == b.size();
 }
 
 bool ReadUniversalFrfs(const std::string& path,
@@ -133,15 +143,11 @@ bool ReadUniversalFrfs(const std::string& path,
       *error = path + ": function " + std::to_string(number) + " " + what;
       return false;
     }
-    one.response =
-        PlaceOf(f.response_name, f.response_node, f.response_direction);
-    one.reference =
-        PlaceOf(f.reference_name, f.reference_node, f.reference_direction);
+    one.response = ResponseOf(f);
+    one.reference = ReferenceOf(f);
     one.frequencies_hz = LinesOf(f);
     one.values = f.values;
     one.decay_rate = DecayRateOf(f);
-    SetLongName(f, kResponseText, &one.response);
-    SetLongName(f, kReferenceText, &one.reference);
     for (const UniversalFunction& other : file.functions) {
       if (other.function_type == kCoherence && SamePair(f, other)) {
         one.coherence = other.values.real();

@@ -241,5 +241,31 @@ TEST(FrfFilesTest, WrittenFunctionsAreReadBack) {
   EXPECT_THAT(error, HasSubstr("another exponential window"));
 }
 
+// Names that are alike in the 10 characters of the format keep their coherence.
+TEST(FrfFilesTest, LongNamesAreToldApart) {
+  FrequencyResponses all;
+  all.responses = {"acceleration_1", "acceleration_2", "deck left A",
+                   "deck left B"};
+  all.references = {"hammer"};
+  all.frequencies_hz = Vector::LinSpaced(3, 1.0, 3.0);
+  all.values = ComplexMatrix::Ones(3, 4);
+  all.coherence.resize(3, 4);
+  all.coherence.rowwise() = Eigen::RowVector4d(0.6, 0.7, 0.8, 0.9);
+  const std::string path = ::testing::TempDir() + "/long_names.uff";
+  std::string error;
+  ASSERT_TRUE(
+      WriteFileAtomically(path, FormatFrfFile(all, "m/s^2", "N"), &error))
+      << error;
+  std::vector<FrequencyResponse> single;
+  std::vector<std::string> remarks;
+  ASSERT_TRUE(ReadFrfFile(path, {}, &single, &remarks, &error)) << error;
+  ASSERT_EQ(single.size(), 4u);
+  for (size_t i = 0; i < single.size(); ++i) {
+    EXPECT_EQ(single[i].response, all.responses[i]);
+    EXPECT_NEAR(single[i].coherence[1],
+                all.coherence(1, static_cast<Eigen::Index>(i)), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace pinode
