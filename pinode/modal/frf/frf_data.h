@@ -16,6 +16,8 @@ struct FrfData {
   Eigen::Index outputs = 0;
   Eigen::Index references = 0;
   int derivative = 2;  // 0: receptance, 1: mobility, 2: accelerance
+  // Rate by which an exponential window raises the decay of each pole, 1 / s.
+  double decay_rate = 0.0;
 
   Eigen::Index num_lines() const { return angular.size(); }
 };

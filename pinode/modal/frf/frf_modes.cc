@@ -63,6 +63,7 @@ bool Select(const FrequencyResponses& all, double lowest_hz, double highest_hz,
   data.references =
       selection->exchanged ? all.num_responses() : all.num_references();
   data.derivative = all.derivative;
+  data.decay_rate = all.decay_rate;
   data.angular = kTwoPi * all.frequencies_hz.segment(first, lines);
   data.h.resize(lines, all.values.cols());
   if (all.variances.rows() > 0) data.variances.resize(lines, data.h.cols());
@@ -232,7 +233,7 @@ class FrfModesFinder {
       const FrfCandidate& candidate = candidates[kept[m]];
       PoleCluster cluster = candidate.cluster;
       SubspacePole& pole = cluster.mean;
-      pole.s = moments[m].mode.s + all_.decay_rate;
+      pole.s = moments[m].mode.s + data.decay_rate;
       pole.shape = moments[m].shape;
       const Index width = 2 + 2 * data.outputs;
       SetInfluences(moments[m].covariance.topLeftCorner(width, width), degrees,
@@ -245,9 +246,21 @@ class FrfModesFinder {
       result_.record.modes.push_back(
           MakeMode(record, Vector::Ones(data.outputs), band_.sampling_step,
                    cluster, band_.max_order, /*window_seconds=*/0.0));
+      SayHiddenDamping(&result_.record.modes.back());
       result_.scales.push_back(ScaleOfMode(moments[m]));
     }
     CheckDrivingPoint();
+  }
+
+  // The decay of a window may exceed that of a mode with it, by noise.
+  void SayHiddenDamping(IdentifiedMode* mode) {
+    if (mode->damping_ratio > 0.0) return;
+    // The lower end is 0 otherwise, above the value.
+    mode->damping_lower95 = 2.0 * mode->damping_ratio - mode->damping_upper95;
+    if (!(all_.decay_rate > 0.0)) return;
+    result_.record.remarks.push_back("The window hides the damping at " +
+                                     FormatNumber(mode->frequency_hz, 4) +
+                                     " Hz: set a longer exponential_window.");
   }
 
   // Returns the driving point as output and reference, the one at which most

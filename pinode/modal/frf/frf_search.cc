@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <utility>
 
 #include "pinode/base/statistics.h"
 #include "pinode/modal/frf/lscf.h"
@@ -107,7 +108,7 @@ class FrfPruning {
     std::vector<double> gains(count);
     for (size_t m = 0; m < count; ++m) gains[m] = model_.GainOf(fit, m);
     for (size_t m = 0; m < count; ++m) {
-      const Complex s = fit.modes[m].s;
+      const Complex s = fit.modes[m].s + model_.data().decay_rate;
       const double hz = std::abs(s) / 6.283185307179586;
       if (-s.real() > options_.largest_damping_ratio * std::abs(s) ||
           hz < band_.lowest_hz || hz > band_.highest_hz) {
@@ -157,19 +158,23 @@ std::vector<FrfCandidate> FindFrfCandidates(
   const LscfPoles found =
       FindLscfPoles(data, band->max_order, options.num_threads);
   LscfPoles inside;
+  std::vector<SubspacePole> shown;  // without the window
   for (size_t i = 0; i < found.poles.size(); ++i) {
-    if (!IsInside(found.poles[i], *band) ||
-        found.poles[i].damping_ratio() >
-            options.stabilisation.largest_damping_ratio) {
+    // The limits are those of the structure, without the window.
+    SubspacePole own = found.poles[i];
+    own.s += data.decay_rate;
+    if (!IsInside(own, *band) ||
+        own.damping_ratio() > options.stabilisation.largest_damping_ratio) {
       continue;
     }
     inside.poles.push_back(found.poles[i]);
     inside.participations.push_back(found.participations[i]);
+    shown.push_back(std::move(own));
   }
-  const std::vector<int> places =
-      AddPoles(inside.poles, /*window_seconds=*/0.0, band);
+  const std::vector<int> places = AddPoles(shown, /*window_seconds=*/0.0, band);
   StabilisationOptions limits = options.stabilisation;
   limits.frequency_tolerance = kFrequencyTolerance;
+  limits.largest_damping_ratio = 1.0;  // of poles with the window
   std::vector<FrfCandidate> candidates;
   for (PoleCluster& cluster : FindClusters(inside.poles, band->max_order,
                                            /*window_seconds=*/0.0, limits)) {
