@@ -81,6 +81,15 @@ bool CheckFlags(std::string* error) {
                  : "--case and --frf are both given, expected one of them";
     return false;
   }
+  if (FLAGS_frf.empty()) {
+    for (const char* name : {"frf_responses", "frf_references", "frf_quantity",
+                             "frf_band", "frf_poles"}) {
+      if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
+        *error = "--" + std::string(name) + " needs --frf";
+        return false;
+      }
+    }
+  }
   if (FLAGS_output_dir.empty()) {
     if (!FLAGS_mat && !FLAGS_overwrite) return true;
     *error = std::string(FLAGS_mat ? "--mat" : "--overwrite") +

@@ -19,7 +19,8 @@ using Eigen::Index;
 // Power of the force relative to its largest below which a line is noise: 40
 // dB, a hundredth of the force.
 constexpr double kWeakForce = 1e-4;
-// Lines that the window and the removed mean of a block disturb.
+// Lines that the window and the removed mean of a block disturb. Periods have
+// neither.
 constexpr double kDisturbedLines = 3.0;
 // Coherence that a clean test exceeds outside of its antiresonances.
 constexpr double kLowCoherence = 0.8;
@@ -116,17 +117,22 @@ class CaseFrfEstimation {
           {record.name, record.sampling_step, record.inputs, record.samples});
     }
     FrfEstimateOptions options = c_.frf->options;
-    if (c_.frf->block > 0.0) {
-      options.block_samples =
-          static_cast<Index>(std::lround(c_.frf->block / own.sampling_step));
-      if (options.excitation != FrfExcitation::kPeriodic) {
-        options.block_samples = FastLength(options.block_samples);
-      }
-    }
     FrfEstimate estimate;
     std::string message;
-    if (!EstimateFrfs(records, options, &estimate, &message)) {
+    if ((c_.frf->block > 0.0 &&
+         !FindFrfBlock(records, c_.frf->block, &options, &message)) ||
+        !EstimateFrfs(records, options, &estimate, &message)) {
       return Fail(first, "[modes.frf]: " + message);
+    }
+    if (c_.frf->has_overlap && estimate.excitation != FrfExcitation::kRandom) {
+      return Fail(first,
+                  "[modes.frf]: overlap is for blocks of a random force; leave "
+                  "it out for blows and periods");
+    }
+    if (estimate.frequencies_hz.size() < 2) {
+      return Fail(first,
+                  "[modes.frf]: the force acts at fewer than two lines; set a "
+                  "longer block or another force");
     }
     Say(own.name, estimate);
     TakeBand(estimate);
@@ -148,14 +154,13 @@ class CaseFrfEstimation {
     std::vector<std::string>& remarks = result_.all.remarks;
     const std::string begin = "Record '" + name + "': ";
     const std::string blocks = std::to_string(estimate.num_blocks);
-    const double length =
-        1.0 / (estimate.frequencies_hz[1] - estimate.frequencies_hz[0]);
     const char* const kind =
         estimate.excitation == FrfExcitation::kBlows      ? " blows"
         : estimate.excitation == FrfExcitation::kPeriodic ? " periods"
                                                           : " blocks";
     remarks.push_back(begin + "frequency response functions of " + blocks +
-                      kind + " of " + FormatNumber(length, 4) + " s" +
+                      kind + " of " + FormatNumber(estimate.block_seconds, 4) +
+                      " s" +
                       (estimate.excitation == FrfExcitation::kRandom
                            ? ", as " + FormatNumber(estimate.num_averages, 3) +
                                  " independent ones."
@@ -172,16 +177,24 @@ class CaseFrfEstimation {
         *shortest = value;
       }
     };
-    take_shorter(estimate.block_seconds, &result_.block_seconds);
+    if (estimate.excitation == FrfExcitation::kBlows) {
+      take_shorter(estimate.block_seconds, &result_.block_seconds);
+    }
     take_shorter(estimate.shortest_rest, &result_.shortest_rest);
     const Vector& lines = estimate.frequencies_hz;
-    const double distance = lines[1] - lines[0];
+    const double distance = 1.0 / estimate.block_seconds;
     result_.line_distance_hz = std::max(result_.line_distance_hz, distance);
     result_.has_leakage =
         result_.has_leakage || estimate.excitation == FrfExcitation::kRandom;
-    result_.lowest_hz = std::max(result_.lowest_hz, kDisturbedLines * distance);
     Index peak = 0;
     estimate.force_power.maxCoeff(&peak);
+    Index first = peak;
+    while (first > 0 && estimate.force_power[first - 1] > kWeakForce) --first;
+    double lowest = lines[first];
+    if (estimate.excitation != FrfExcitation::kPeriodic) {
+      lowest = std::max(lowest, kDisturbedLines * distance);
+    }
+    result_.lowest_hz = std::max(result_.lowest_hz, lowest);
     Index last = peak;
     while (last + 1 < lines.size() &&
            estimate.force_power[last + 1] > kWeakForce) {
@@ -236,6 +249,26 @@ class CaseFrfEstimation {
   bool enough_ = true;
 };
 
+// Returns the functions at the lines of a band alone.
+FrequencyResponses LinesBetween(const FrequencyResponses& all, double lowest_hz,
+                                double highest_hz) {
+  std::vector<Index> lines;
+  for (Index k = 0; k < all.num_lines(); ++k) {
+    const double hz = all.frequencies_hz[k];
+    if (hz >= lowest_hz && hz <= highest_hz) lines.push_back(k);
+  }
+  FrequencyResponses result = all;
+  result.frequencies_hz = all.frequencies_hz(lines);
+  result.values = all.values(lines, Eigen::all);
+  if (all.variances.rows() > 0) {
+    result.variances = all.variances(lines, Eigen::all);
+  }
+  if (all.coherence.rows() > 0) {
+    result.coherence = all.coherence(lines, Eigen::all);
+  }
+  return result;
+}
+
 }  // namespace
 
 bool EstimateFrfsOfCase(const ModesCase& c, EstimatedFrfs* result,
@@ -246,7 +279,14 @@ bool EstimateFrfsOfCase(const ModesCase& c, EstimatedFrfs* result,
 
 std::string EstimatedFrfsAsFile(const EstimatedFrfs& estimated,
                                 const ModesCase& c) {
-  FrequencyResponses all = estimated.all;
+  const auto within = [](double given, double found, bool lower) {
+    if (!(given > 0.0)) return found;
+    return lower ? std::min(given, found) : std::max(given, found);
+  };
+  FrequencyResponses all = LinesBetween(
+      estimated.all,
+      within(c.options.lowest_hz, estimated.lowest_hz, /*lower=*/true),
+      within(c.options.highest_hz, estimated.highest_hz, /*lower=*/false));
   if (all.variances.rows() == 0) all.coherence.resize(0, 0);
   const Dimension dimensions[] = {Dimension::kLength, Dimension::kVelocity,
                                   Dimension::kAcceleration};

@@ -17,8 +17,7 @@ struct EstimatedFrfs {
   // Largest distance of the lines, and true if leakage widens resonances.
   double line_distance_hz = 0.0;
   bool has_leakage = false;
-  // As FrfEstimate has them: the shortest block and the shortest rest of blows;
-  // 0: there are none.
+  // Shortest block and shortest rest of blows, in s; 0: there are none.
   double block_seconds = 0.0, shortest_rest = 0.0;
 };
 
@@ -29,7 +28,8 @@ struct EstimatedFrfs {
 [[nodiscard]] bool EstimateFrfsOfCase(const ModesCase& c, EstimatedFrfs* result,
                                       std::string* error);
 
-// Returns the functions as a universal file in the case's units. Coherences of
+// Returns the functions as a universal file in the case's units, at the lines
+// at which the forces act and those of a wider band in [modes]. Coherences of
 // few averages are left out, because [[frf]] would weight lines by them.
 std::string EstimatedFrfsAsFile(const EstimatedFrfs& estimated,
                                 const ModesCase& c);

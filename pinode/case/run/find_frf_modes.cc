@@ -20,25 +20,37 @@ constexpr double kFewestLinesOfResonance = 4.0;
 // left before each blow, an exponential window made the damping 18 % too small.
 constexpr double kMuchVibration = 0.05;
 
+// Origin of the functions, which decides what a user can change.
+enum class FrfSource { kRecords, kOneFile, kSeveralFiles };
+
 // Remark on FRFs that the modes do not describe; empty if they do.
-std::string LeftByModes(const ModesOfFrfs& frfs, bool several_files) {
+std::string LeftByModes(const ModesOfFrfs& frfs, FrfSource source) {
   // A tenth is left by a drift of two files of a free beam, whose intervals
   // then excluded the frequencies of the others.
   constexpr double kMuch = 0.1;
   if (frfs.errors.size() == 0 || !(frfs.errors.maxCoeff() > kMuch)) {
     return "";
   }
-  return "The modes leave up to " +
-         FormatNumber(100.0 * frfs.errors.maxCoeff(), 3) +
-         " % of a frequency response function, and the intervals may be too "
-         "narrow. A mode may be missing, or the structure has changed between "
-         "the files" +
-         (several_files ? ": try --frf_poles=per_file or another --frf_band."
-                        : ": try another --frf_band.");
+  const std::string begin =
+      "The modes leave up to " +
+      FormatNumber(100.0 * frfs.errors.maxCoeff(), 3) +
+      " % of a frequency response function, and the intervals may be too "
+      "narrow. A mode may be missing, or the structure has changed ";
+  switch (source) {
+    case FrfSource::kRecords:
+      return begin +
+             "during the test: set lowest_hz and highest_hz in [modes].";
+    case FrfSource::kOneFile:
+      return begin + "during the test: try another --frf_band.";
+    case FrfSource::kSeveralFiles:
+      break;
+  }
+  return begin +
+         "between the files: try --frf_poles=per_file or another --frf_band.";
 }
 
 // Puts the modes of `all` together with its remarks.
-bool CollectFrfModes(const FrequencyResponses& all, bool several_files,
+bool CollectFrfModes(const FrequencyResponses& all, FrfSource source,
                      const ModesOfFrfs& frfs, FoundModes* found,
                      std::string* error) {
   *found = FoundModes();
@@ -47,7 +59,7 @@ bool CollectFrfModes(const FrequencyResponses& all, bool several_files,
   result.setups = {all.name};
   result.remarks.insert(result.remarks.end(), frfs.record.remarks.begin(),
                         frfs.record.remarks.end());
-  const std::string left = LeftByModes(frfs, several_files);
+  const std::string left = LeftByModes(frfs, source);
   if (!left.empty()) result.remarks.push_back(left);
   SetupModes modes;
   modes.name = all.name;
@@ -119,7 +131,7 @@ bool FindModesOfEstimatedFrfs(const ModesCase& c, EstimatedFrfs* estimated,
   if (!(band.highest_hz > 0.0)) band.highest_hz = estimated->highest_hz;
   std::string message;
   if (!FindFrfModes(estimated->all, options, frfs, &message) ||
-      !CollectFrfModes(estimated->all, /*several_files=*/false, *frfs, found,
+      !CollectFrfModes(estimated->all, FrfSource::kRecords, *frfs, found,
                        &message)) {
     *error = c.path + ": " + message;
     return false;
@@ -141,7 +153,9 @@ bool FindModesOfFrfFiles(const FrfSetup& setup, ModesOfFrfs* frfs,
       !FindFrfModes(all, setup.options, frfs, error)) {
     return false;
   }
-  return CollectFrfModes(all, setup.files.size() > 1, *frfs, found, error);
+  const FrfSource source =
+      setup.files.size() > 1 ? FrfSource::kSeveralFiles : FrfSource::kOneFile;
+  return CollectFrfModes(all, source, *frfs, found, error);
 }
 
 bool WriteFrfFiles(const ModesOfFrfs& frfs, const std::string& folder,

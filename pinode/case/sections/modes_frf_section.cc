@@ -47,6 +47,7 @@ bool ReadModesFrfSection(const TomlTable& table, ModesFrfSection* section) {
       table.Choice("estimator", EstimatorNames(), "h1");
   const std::string excitation =
       table.Choice("excitation", ExcitationNames(), "automatic");
+  section->has_overlap = table.Has("overlap");
   options.overlap = table.NonNegativeNumber("overlap", options.overlap);
   if (table.Has("block")) section->block = table.PositiveNumber("block", 1.0);
   if (table.Has("force_window")) {

@@ -12,6 +12,7 @@ namespace pinode {
 struct ModesFrfSection {
   FrfEstimateOptions options;  // all but block_samples
   double block = 0.0;          // s; 0: chosen
+  bool has_overlap = false;    // true: it is given, not the default
 };
 
 // Reads the table.

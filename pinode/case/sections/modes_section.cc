@@ -155,6 +155,11 @@ class ModesCaseReader {
                         "[modes.frf] has a method of its own, expected no "
                         "'method'");
     }
+    for (const char* key : {"references", "block_rows", "harmonics"}) {
+      if (!table.Has(key)) continue;
+      return table.Fail(key, "[modes.frf] does not use '" + std::string(key) +
+                                 "', expected no such key");
+    }
     c_.frf.emplace();
     return ReadModesFrfSection(table.Table("frf", "[modes.frf]"), &*c_.frf);
   }
@@ -203,6 +208,12 @@ class ModesCaseReader {
             std::string("a ") + QuantityName(channel.quantity) +
                 " has no mode shape, expected a motion or a strain");
       }
+      if (c_.frf.has_value() && channel.quantity == Quantity::kStrain) {
+        return channel.signal.table.Fail(
+            "quantity",
+            "frequency response functions of [modes.frf] are of motions, "
+            "expected a displacement, velocity or acceleration");
+      }
       response.channels.push_back({channel.location, derivative});
       AddPlace(channel, dof_names);
       response.samples.row(static_cast<Eigen::Index>(c)) =
@@ -212,6 +223,11 @@ class ModesCaseReader {
       c_.remarks.push_back("Record '" + record.name + "': " + remark);
     }
     RemarkOnCovariates(record);
+    if (c_.frf.has_value() && section.free_decay) {
+      return section.table.Fail(
+          "free_decay",
+          "[modes.frf] needs a measured force, expected no free decay");
+    }
     response.free_decay = section.free_decay;
     c_.loads.emplace_back();
     if (section.has_excitation()) {
