@@ -225,7 +225,7 @@ class ModesCaseReader {
     RemarkOnCovariates(record);
     if (c_.frf.has_value() && section.free_decay) {
       return section.table.Fail(
-          "free_decay",
+          "excitation",
           "[modes.frf] needs a measured force, expected no free decay");
     }
     response.free_decay = section.free_decay;

@@ -271,6 +271,18 @@ TEST_F(ModesSectionTest, RefusesInOneLine) {
       Error(Replaced(ModesText(), "column = \"v2\"", "column = \"v3\"")),
       HasSubstr("v3"));
   EXPECT_THAT(Error("title = \"none\"\n"), HasSubstr("[[record]]"));
+  // Keys without an effect on frequency response functions, and no motions.
+  EXPECT_THAT(
+      Error(Replaced(ModesText(), "references", "frf = {}\nreferences")),
+      HasSubstr("does not use 'references'"));
+  const std::string frf =
+      Replaced(ModesText(), "references = [\"u1\"]", "frf = {}");
+  EXPECT_THAT(Error(Replaced(frf, "sampling_rate_hz",
+                             "excitation = \"none\"\nsampling_rate_hz")),
+              HasSubstr("needs a measured force"));
+  EXPECT_THAT(Error(Replaced(frf, "quantity = \"velocity\"\n  unit = \"mm/s\"",
+                             "quantity = \"strain\"\n  dof = \"u2\"")),
+              HasSubstr("are of motions"));
 }
 
 // modes.toml is what a case with a model reads.

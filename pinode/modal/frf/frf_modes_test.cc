@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/base/constants.h"
 #include "pinode/record/frf/frf_files.h"
@@ -37,10 +38,11 @@ Structure SixMasses() {
   return s;
 }
 
-// Accelerance of all DOFs to `references`.
+// Accelerance of all DOFs to `references`. `decay_rate`: of an exponential
+// window, 1 / s.
 FrequencyResponses Responses(const Structure& s, int references,
                              double lowest_hz, double highest_hz,
-                             double step_hz) {
+                             double step_hz, double decay_rate = 0.0) {
   FrequencyResponses all;
   all.name = "test";
   const Index lines =
@@ -51,16 +53,18 @@ FrequencyResponses Responses(const Structure& s, int references,
     if (i < references) all.references.push_back(all.responses.back());
   }
   all.derivative = 2;
+  all.decay_rate = decay_rate;
   all.values.resize(lines, s.shapes.rows() * references);
   for (Index o = 0; o < s.shapes.rows(); ++o) {
     for (Index j = 0; j < references; ++j) {
       for (Index k = 0; k < lines; ++k) {
         const Complex iw(0.0, kTwoPi * all.frequencies_hz[k]);
+        const Complex at = iw + decay_rate;
         Complex sum = 0.0;
         for (Index r = 0; r < s.hz.size(); ++r) {
           const double w = kTwoPi * s.hz[r];
           sum += s.shapes(o, r) * s.shapes(j, r) /
-                 (iw * iw + 2.0 * s.ratio[r] * w * iw + w * w);
+                 (at * at + 2.0 * s.ratio[r] * w * at + w * w);
         }
         all.values(k, all.Pair(o, j)) = iw * iw * sum;
       }
@@ -101,6 +105,29 @@ TEST(FrfModesTest, ExactFunctionsGiveExactModes) {
                     .maxCoeff(),
                 0.0, 1e-6);
   }
+}
+
+// A window of 0.3 s raises the damping of the first mode to 30 %, above the
+// limit for modes.
+TEST(FrfModesTest, WindowDoesNotHideDampedModes) {
+  Structure s = SixMasses();
+  s.ratio[5] = -0.001;
+  const FrequencyResponses all = Responses(s, 1, 0.5, 20.0, 0.05, 1.0 / 0.3);
+  ModesOfFrfs found;
+  std::string error;
+  ASSERT_TRUE(FindFrfModes(all, {}, &found, &error)) << error;
+  ASSERT_EQ(found.record.modes.size(), 6u);
+  for (size_t m = 0; m < 6; ++m) {
+    const IdentifiedMode& mode = found.record.modes[m];
+    const Index r = static_cast<Index>(m);
+    EXPECT_NEAR(mode.frequency_hz, s.hz[r], 1e-5);
+    EXPECT_NEAR(mode.damping_ratio, s.ratio[r], 1e-5);
+    EXPECT_LE(mode.damping_lower95, mode.damping_ratio);
+    EXPECT_GE(mode.damping_upper95, mode.damping_ratio);
+  }
+  EXPECT_THAT(found.record.remarks,
+              ::testing::Contains(::testing::HasSubstr(
+                  "The window hides the damping at 17.01 Hz")));
 }
 
 // Finds the six modes, each within four deviations of the structure's.
