@@ -29,22 +29,51 @@ std::vector<Index> PairsOf(const FrfRecord& record, bool of_forces,
   return pairs;
 }
 
-// Correlations of measured pairs (rows) with those of the model (columns), over
-// the lines that are present. Pairs are weighted as in the fit.
-Matrix AgreementOf(const FrfRecord& record, const ComplexMatrix& modelled) {
-  ComplexMatrix measured = record.values;
-  ComplexMatrix expected = modelled;
-  for (Index p = 0; p < measured.cols(); ++p) {
-    for (Index k = 0; k < measured.rows(); ++k) {
-      const bool is_present = std::isfinite(std::abs(measured(k, p)));
-      if (!is_present) measured(k, p) = 0.0;
+// Sums over the functions of each place (a response or a reference) of their
+// correlations with those of the model.
+struct Agreement {
+  Vector own;      // at the same place
+  Matrix crossed;  // at each place of the model (columns); may be empty
+};
+
+// Correlations are over the lines that are present in the measured function.
+Agreement AgreementOf(const FrfRecord& record, const ComplexMatrix& modelled,
+                      bool of_forces) {
+  // Exchanges among more places than these take too long to compare.
+  constexpr Index kMostPlaces = 500;
+  const Index places =
+      of_forces ? record.num_references() : record.num_responses();
+  const Index others = record.num_pairs() / places;
+  Agreement agreement;
+  agreement.own = Vector::Zero(places);
+  if (places <= kMostPlaces) agreement.crossed = Matrix::Zero(places, places);
+  for (Index other = 0; other < others; ++other) {
+    const std::vector<Index> pairs = PairsOf(record, !of_forces, other);
+    ComplexMatrix measured = record.values(Eigen::all, pairs);
+    const ComplexMatrix expected = modelled(Eigen::all, pairs);
+    const Matrix present =
+        measured.cwiseAbs().array().isFinite().cast<double>();
+    measured = (present.array() > 0.0).select(measured, 0.0);
+    const Vector sizes = measured.colwise().norm().transpose().cwiseMax(1e-300);
+    const auto correlation = [&sizes](double product, double square, Index c) {
+      return square > 0.0 ? product / (sizes[c] * std::sqrt(square)) : 0.0;
+    };
+    for (Index c = 0; c < places; ++c) {
+      agreement.own[c] +=
+          correlation(measured.col(c).dot(expected.col(c)).real(),
+                      present.col(c).dot(expected.col(c).cwiseAbs2()), c);
     }
-    const double own = measured.col(p).norm();
-    const double other = expected.col(p).norm();
-    if (own > 0.0) measured.col(p) /= own;
-    if (other > 0.0) expected.col(p) /= other;
+    if (places > kMostPlaces) continue;
+    const Matrix products = (measured.adjoint() * expected).real();
+    const Matrix squares = present.transpose() * expected.cwiseAbs2();
+    for (Index c = 0; c < places; ++c) {
+      for (Index d = 0; d < places; ++d) {
+        agreement.crossed(c, d) +=
+            correlation(products(c, d), squares(c, d), c);
+      }
+    }
   }
-  return (measured.adjoint() * expected).real();
+  return agreement;
 }
 
 // Functions of the model at the free parameters; no rows if it has none.
@@ -119,100 +148,101 @@ class FrfCatalogue {
     return suspects_.back();
   }
 
+  // Change of two places, or of one that is turned round.
+  struct Change {
+    double gain = 0.0;
+    Index one = 0;
+    Index two = 0;
+  };
+
   void AddPlaces(size_t r) {
     const FrfRecord& record = problem_.frfs[r];
-    std::vector<Matrix> agreements;
+    std::vector<ComplexMatrix> models;
     const Vector initial = ParameterLayout(problem_).InitialValues();
     for (const Vector& at : {model_.parameters, initial}) {
-      const ComplexMatrix modelled = ModelledFrfs(problem_, record, at);
+      ComplexMatrix modelled = ModelledFrfs(problem_, record, at);
       if (modelled.rows() == 0 || !modelled.allFinite()) continue;
-      agreements.push_back(AgreementOf(record, modelled));
+      models.push_back(std::move(modelled));
     }
     for (const bool of_forces : {false, true}) {
-      std::vector<std::pair<double, Suspect>> turns, exchanges;
+      std::vector<Agreement> agreements;
+      for (const ComplexMatrix& modelled : models) {
+        agreements.push_back(AgreementOf(record, modelled, of_forces));
+      }
+      std::vector<Change> turns, exchanges;
       const Index count =
           of_forces ? record.num_references() : record.num_responses();
-      for (Index c = 0; c < count; ++c) {
-        AddTurn(r, agreements, of_forces, c, &turns);
-        for (Index d = 0; d < c; ++d) {
-          AddExchange(r, agreements, of_forces, d, c, &exchanges);
+      for (Index d = 0; d < count; ++d) {
+        const double turn = TurnGain(agreements, d);
+        if (turn > 0.0) turns.push_back({turn, d, d});
+        for (Index c = 0; c < d; ++c) {
+          if (!of_forces && !SameQuantity(record, c, d)) continue;
+          const double exchange = ExchangeGain(agreements, c, d);
+          if (exchange > 0.0) exchanges.push_back({exchange, c, d});
         }
       }
-      KeepLikeliest(&turns);
-      KeepLikeliest(&exchanges);
+      AddLikeliest(r, of_forces, &turns);
+      AddLikeliest(r, of_forces, &exchanges);
     }
+  }
+
+  static bool SameQuantity(const FrfRecord& record, Index c, Index d) {
+    return record.responses[static_cast<size_t>(c)].quantity ==
+           record.responses[static_cast<size_t>(d)].quantity;
+  }
+
+  static double TurnGain(const std::vector<Agreement>& agreements, Index c) {
+    double gain = 0.0;
+    for (const Agreement& agreement : agreements) {
+      gain = std::max(gain, -2.0 * agreement.own[c]);
+    }
+    return gain;
+  }
+
+  static double ExchangeGain(const std::vector<Agreement>& agreements, Index c,
+                             Index d) {
+    double gain = 0.0;
+    for (const Agreement& agreement : agreements) {
+      const Matrix& crossed = agreement.crossed;
+      if (crossed.size() == 0) continue;
+      gain = std::max(gain, crossed(c, d) + crossed(d, c) - agreement.own[c] -
+                                agreement.own[d]);
+    }
+    return gain;
+  }
+
+  void AddLikeliest(size_t r, bool of_forces, std::vector<Change>* changes) {
+    std::stable_sort(
+        changes->begin(), changes->end(),
+        [](const Change& a, const Change& b) { return a.gain > b.gain; });
+    if (changes->size() > most_) changes->resize(most_);
+    for (const Change& change : *changes) AddChange(r, of_forces, change);
+  }
+
+  void AddChange(size_t r, bool of_forces, const Change& change) {
+    const std::string first = NameOf(problem_.frfs[r], of_forces, change.one);
+    const std::string second = NameOf(problem_.frfs[r], of_forces, change.two);
+    Suspect* suspect = nullptr;
+    if (change.one == change.two) {
+      suspect =
+          &Add(of_forces ? Kind::kExcitationScale : Kind::kSensorGain, first,
+               of_forces ? "the force at '" + first + "' in the other direction"
+                         : "sensor '" + first + "' mounted upside down");
+    } else {
+      suspect = &Add(of_forces ? Kind::kForcePlace : Kind::kExchange,
+                     first + "," + second,
+                     (of_forces ? "the places of the forces '" : "sensors '") +
+                         first + "' and '" + second + "' swapped");
+    }
+    suspect->frf_changes = {{static_cast<int>(r), of_forces,
+                             static_cast<int>(change.one),
+                             static_cast<int>(change.two)}};
   }
 
   static std::string NameOf(const FrfRecord& record, bool of_forces, Index i) {
     const size_t index = static_cast<size_t>(i);
     return of_forces ? record.reference_names[index]
                      : record.responses[index].name;
-  }
-
-  void AddTurn(size_t r, const std::vector<Matrix>& agreements, bool of_forces,
-               Index c, std::vector<std::pair<double, Suspect>>* turns) const {
-    const FrfRecord& record = problem_.frfs[r];
-    double gain = 0.0;
-    for (const Matrix& agreement : agreements) {
-      double sum = 0.0;
-      for (const Index p : PairsOf(record, of_forces, c)) {
-        sum -= 2.0 * agreement(p, p);
-      }
-      gain = std::max(gain, sum);
-    }
-    if (!(gain > 0.0)) return;
-    const std::string name = NameOf(record, of_forces, c);
-    Suspect suspect;
-    suspect.kind = of_forces ? Kind::kExcitationScale : Kind::kSensorGain;
-    suspect.place = name;
-    suspect.what = of_forces
-                       ? "the force at '" + name + "' in the other direction"
-                       : "sensor '" + name + "' mounted upside down";
-    suspect.frf_changes = {{static_cast<int>(r), of_forces, static_cast<int>(c),
-                            static_cast<int>(c)}};
-    turns->emplace_back(gain, std::move(suspect));
-  }
-
-  void AddExchange(size_t r, const std::vector<Matrix>& agreements,
-                   bool of_forces, Index c, Index d,
-                   std::vector<std::pair<double, Suspect>>* exchanges) const {
-    const FrfRecord& record = problem_.frfs[r];
-    if (!of_forces && record.responses[static_cast<size_t>(c)].quantity !=
-                          record.responses[static_cast<size_t>(d)].quantity) {
-      return;
-    }
-    const std::vector<Index> one = PairsOf(record, of_forces, c);
-    const std::vector<Index> two = PairsOf(record, of_forces, d);
-    double gain = 0.0;
-    for (const Matrix& agreement : agreements) {
-      double sum = 0.0;
-      for (size_t i = 0; i < one.size(); ++i) {
-        sum += agreement(one[i], two[i]) + agreement(two[i], one[i]) -
-               agreement(one[i], one[i]) - agreement(two[i], two[i]);
-      }
-      gain = std::max(gain, sum);
-    }
-    if (!(gain > 0.0)) return;
-    const std::string first = NameOf(record, of_forces, c);
-    const std::string second = NameOf(record, of_forces, d);
-    Suspect suspect;
-    suspect.kind = of_forces ? Kind::kForcePlace : Kind::kExchange;
-    suspect.place = first + "," + second;
-    suspect.what = (of_forces ? "the places of the forces '" : "sensors '") +
-                   first + "' and '" + second + "' swapped";
-    suspect.frf_changes = {{static_cast<int>(r), of_forces, static_cast<int>(c),
-                            static_cast<int>(d)}};
-    exchanges->emplace_back(gain, std::move(suspect));
-  }
-
-  void KeepLikeliest(std::vector<std::pair<double, Suspect>>* ranked) {
-    std::stable_sort(
-        ranked->begin(), ranked->end(),
-        [](const auto& a, const auto& b) { return a.first > b.first; });
-    if (ranked->size() > most_) ranked->resize(most_);
-    for (auto& [unused, suspect] : *ranked) {
-      suspects_.push_back(std::move(suspect));
-    }
   }
 
   const IdentificationProblem& problem_;

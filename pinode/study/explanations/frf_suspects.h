@@ -19,7 +19,8 @@ namespace pinode {
 //   sum over lines of  Re(h' T' f) - Re(h' f)
 //
 // relative to their sizes, with f of the model. A fit adapts to a fault, so the
-// gain is the larger one of those at the fit and at the initial values.
+// gain is the larger one of those at the fit and at the initial values. Swapped
+// places are not sought among more than 500.
 std::vector<Suspect> MakeFrfSuspects(const IdentificationProblem& problem,
                                      const IdentifiedModel& model, size_t most);
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <functional>
 #include <memory>
@@ -134,6 +135,39 @@ TEST(FrfSuspects, FaultsOfPlacesAreNamedAndTakenBack) {
     EXPECT_EQ(problem.frfs[0].values, good.frfs[0].values) << fault.what;
     EXPECT_EQ(problem.frfs[0].variances, before.frfs[0].variances);
   }
+}
+
+// Each sensor lacks the lines at which it moves most relative to the other one.
+TEST(FrfSuspects, MissingLinesAreNoFault) {
+  IdentificationProblem problem = HammerTest();
+  FrfRecord& record = problem.frfs[0];
+  for (Eigen::Index k = 0; k < record.num_lines(); ++k) {
+    for (Eigen::Index j = 0; j < 2; ++j) {
+      const bool first = std::abs(record.values(k, 4 * j)) >
+                         std::abs(record.values(k, 4 * j + 3));
+      record.values(k, 4 * j + (first ? 0 : 3)) = kNaN;
+    }
+  }
+  EXPECT_THAT(PlacesOf(Find(problem)), IsEmpty());
+}
+
+TEST(FrfSuspects, TurnsAreFoundAmongManySensors) {
+  IdentificationProblem problem = HammerTest();
+  FrfRecord& record = problem.frfs[0];
+  constexpr Eigen::Index kSensors = 600;
+  const FrfRecord few = record;
+  record.responses.clear();
+  record.values.resize(few.num_lines(), 2 * kSensors);
+  for (Eigen::Index o = 0; o < kSensors; ++o) {
+    record.responses.push_back(few.responses[static_cast<size_t>(o % 4)]);
+    record.responses.back().name = "s" + std::to_string(o);
+    for (Eigen::Index j = 0; j < 2; ++j) {
+      record.values.col(o + kSensors * j) = few.values.col(o % 4 + 4 * j);
+    }
+  }
+  ChangeFrfs({{0, false, 577, 577}}, &problem);
+  EXPECT_THAT(PlacesOf(Find(problem)),
+              ElementsAre("sensor 's577' mounted upside down"));
 }
 
 TEST(FrfSuspects, OfFreeGainsAreNone) {
