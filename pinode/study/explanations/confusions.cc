@@ -116,13 +116,15 @@ std::vector<std::string> ConfusionsBeforeFit(
     for (const double change : confusion.changes) {
       most = std::max(most, std::abs(change));
     }
+    const std::string name = suspect.what.substr(0, suspect.what.find(" ("));
+    const std::string those =
+        confusion.names.size() == 1 ? "that parameter" : "those parameters";
     sentences.push_back(
-        "The records do not separate " +
-        suspect.what.substr(0, suspect.what.find(" (")) + " from " +
+        "The records do not separate " + name + " from " +
         ListOf(confusion.names) + ". An error of " +
-        FormatNumber(suspect.usual, 2) + " in the first changes " +
-        (confusion.names.size() == 1 ? "that parameter" : "those parameters") +
-        " by up to " + FormatNumber(most, 2) + ", and no record shows it.");
+        FormatNumber(suspect.usual, 2) + " in " + name + " changes " + those +
+        " by up to " + FormatNumber(most, 2) +
+        ", and no record shows it. Measure it, or give " + those + " a prior.");
   }
   return sentences;
 }

@@ -274,9 +274,11 @@ TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
   std::string error;
   ASSERT_TRUE(dynamics->AddGroup(mass, &error)) << error;
   problem.dynamics = dynamics;
-  EXPECT_THAT(
-      ConfusionsBeforeFit(problem, options),
-      ::testing::Contains(::testing::HasSubstr("all damping by one factor")));
+  EXPECT_THAT(ConfusionsBeforeFit(problem, options),
+              ::testing::Contains(::testing::AllOf(
+                  ::testing::HasSubstr("in all damping by one factor changes "),
+                  ::testing::EndsWith(
+                      "Measure it, or give those parameters a prior."))));
   // An error of the mass is what the problem looks for.
   EXPECT_THAT(ConfusionsBeforeFit(problem, options),
               ::testing::Not(::testing::Contains(
