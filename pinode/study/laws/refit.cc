@@ -6,14 +6,12 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
-#include "pinode/base/statistics.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/fit/fit_checks.h"
-#include "pinode/estimate/shooting/score.h"
-#include "pinode/estimate/start/free_run_start.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/identify/identify.h"
+#include "pinode/study/laws/score_without_fit.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/discovered_problem.h"
@@ -178,24 +176,31 @@ class Refitter {
       return true;
     }
     const bool good = Good();
-    const double criterion = good ? Deviance(problem_, discovery_.summary) +
-                                        prices_.Sum(discovery_.equations)
-                                  : kInfinity;
+    const double criterion = good ? Criterion() : kInfinity;
     const Discovery from_segments = discovery_;
     const IdentifiedModel model = last_model_;
     const std::vector<int> substeps = substeps_;
     discovery_ = regressed;
     last_model_ = model_;
-    num_fits_ = 0;
-    if (!FirstSteps() || !Fit(1)) return false;
-    if (good &&
-        (!Good() || criterion < Deviance(problem_, discovery_.summary) +
-                                    prices_.Sum(discovery_.equations))) {
-      discovery_ = from_segments;
-      last_model_ = model;
-      substeps_ = substeps;
+    const bool fitted = FirstSteps() && Fit(1);
+    if (!good) return fitted;
+    if (fitted && Good() && !(criterion < Criterion())) return true;
+    const bool interrupted =
+        fitted && discovery_.summary.termination == Termination::kInterrupted;
+    error_->clear();
+    discovery_ = from_segments;
+    last_model_ = model;
+    substeps_ = substeps;
+    if (interrupted) {
+      discovery_.summary.termination = Termination::kInterrupted;
+      discovery_.summary.message = "interrupted before the search for terms";
     }
     return true;
+  }
+
+  double Criterion() const {
+    return Deviance(problem_, discovery_.summary) +
+           prices_.Sum(discovery_.equations);
   }
 
   // True if the fit leaves no more than the noise that the smoothed records
@@ -244,10 +249,9 @@ class Refitter {
     }
     FitSummary summary;
     summary.termination = Termination::kConverged;
-    if (!ScoreAsItIs(problem, &initial, &summary.records)) return true;
-    if (Good() && Deviance(problem_, discovery_.summary) +
-                          prices_.Sum(discovery_.equations) <
-                      Deviance(problem_, summary) + prices_.Sum(equations)) {
+    if (!ScoreWithoutFit(problem, &initial, &summary.records)) return true;
+    if (Good() &&
+        Criterion() < Deviance(problem_, summary) + prices_.Sum(equations)) {
       return true;
     }
     discovery_.equations = std::move(equations);
@@ -257,50 +261,6 @@ class Refitter {
     last_model_ = std::move(initial);
     unfitted_ = true;
     return true;
-  }
-
-  // Free runs of the training records without a fit, from the starts in *model
-  // or what the first samples say, and what they leave over as its noise. False
-  // where one is not finite.
-  static bool ScoreAsItIs(const IdentificationProblem& problem,
-                          IdentifiedModel* model,
-                          std::vector<RecordScore>* scores) {
-    const size_t num_records = problem.records.size();
-    scores->resize(num_records);
-    model->sigmas.resize(num_records);
-    model->starts.resize(num_records);
-    for (size_t r = 0; r < num_records; ++r) {
-      const IdentificationRecord& record = problem.records[r];
-      if (record.role != IdentificationRecord::Role::kTrain) continue;
-      const int index = static_cast<int>(r);
-      Vector& start = model->starts[r];
-      if (start.size() != problem.dynamics->num_states()) {
-        FreeRunStart(problem, index, model->parameters,
-                     Vector::Ones(static_cast<int>(record.channels.size())),
-                     &start);
-      }
-      RecordScore& score = (*scores)[r];
-      ScoreRecord(problem, index, model->parameters, start, 0, &score);
-      if (!score.finite) return false;
-      model->sigmas[r] = NoiseOf(record, score);
-    }
-    return true;
-  }
-
-  static Vector NoiseOf(const IdentificationRecord& record,
-                        const RecordScore& score) {
-    Vector sigmas(static_cast<int>(record.channels.size()));
-    for (Eigen::Index k = 0; k < sigmas.size(); ++k) {
-      const MeasuredChannel& channel = record.channels[static_cast<size_t>(k)];
-      Vector residual = score.prediction.row(k).transpose() - channel.values;
-      for (double& value : residual) value = std::isfinite(value) ? value : 0.0;
-      sigmas[k] = channel.sigma;
-      if (!(sigmas[k] > 0.0)) {
-        sigmas[k] = std::sqrt(MemorylessMeanSquare(residual));
-      }
-      if (!(sigmas[k] > 0.0)) sigmas[k] = 1.0;
-    }
-    return sigmas;
   }
 
   // Takes in and leaves out what the residuals of the trajectories ask for, as
@@ -363,9 +323,10 @@ class Refitter {
     std::vector<int> substeps = substeps_;
     for (int& count : substeps) count *= factor;
     IdentifiedModel initial;
-    if (!MakeDiscoveredProblem(num_fits_ > 0 ? discovery_.problem : problem_,
-                               last_model_, discovery_.equations, substeps,
-                               &discovery_.problem, &initial, error_)) {
+    if (!MakeDiscoveredProblem(
+            discovery_.refitted ? discovery_.problem : problem_, last_model_,
+            discovery_.equations, substeps, &discovery_.problem, &initial,
+            error_)) {
       return false;
     }
     ++num_fits_;

@@ -20,8 +20,9 @@
 namespace pinode {
 namespace {
 
-// Gives all terms the coefficients of least squares on the equation's samples.
-// Returns false without samples, or if a basis is no function of the features.
+// Gives all terms the coefficients of least squares on the equation's samples,
+// without those that miss a value. Returns false without samples, or if a basis
+// is no function of the features.
 bool RegressAllTerms(DiscoveredEquation* equation) {
   Vector rest = equation->sample_outputs;
   if (rest.size() == 0 || equation->sample_features.rows() != rest.size()) {
@@ -44,8 +45,18 @@ bool RegressAllTerms(DiscoveredEquation* equation) {
       free.push_back(&term);
     }
   }
+  if (free.empty()) return true;
   columns.conservativeResize(Eigen::NoChange,
                              static_cast<Eigen::Index>(free.size()));
+  std::vector<Eigen::Index> present;
+  for (Eigen::Index i = 0; i < rest.size(); ++i) {
+    if (std::isfinite(rest[i]) && columns.row(i).allFinite()) {
+      present.push_back(i);
+    }
+  }
+  if (present.empty()) return false;
+  columns = Matrix(columns(present, Eigen::all));
+  rest = Vector(rest(present));
   const Vector scales =
       columns.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
   const Vector scaled =
