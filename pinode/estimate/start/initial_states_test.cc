@@ -79,7 +79,7 @@ TEST(InitialTrajectories, WholeRecordsBeginAtKnownStarts) {
       << error;
   IdentificationRecord record;
   record.name = "free";
-  record.excitation.emplace(0.0, 0.05, Matrix(0, 800), Interpolation::kLinear);
+  record.excitation.emplace(0.0, 0.1, Matrix(0, 400), Interpolation::kLinear);
   record.start = IdentificationRecord::Start::kFree;
   record.substeps = 2;
   record.channels = {testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
