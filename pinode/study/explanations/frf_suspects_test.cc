@@ -5,7 +5,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <functional>
 #include <memory>
@@ -137,18 +136,21 @@ TEST(FrfSuspects, FaultsOfPlacesAreNamedAndTakenBack) {
   }
 }
 
-// Each sensor lacks the lines at which it moves most relative to the other one.
-TEST(FrfSuspects, MissingLinesAreNoFault) {
+// Two swapped sensors have only the first mode, of a model that is a little
+// off. Lines that they lack must not count for other sensors.
+TEST(FrfSuspects, MissingLinesHideNoFault) {
   IdentificationProblem problem = HammerTest();
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  dynamics->SetParameters(Eigen::Vector4d(0.0, 0.0, 0.0, -0.2));
+  problem.dynamics = dynamics;
+  ChangeFrfs({{0, false, 1, 2}}, &problem);
   FrfRecord& record = problem.frfs[0];
   for (Eigen::Index k = 0; k < record.num_lines(); ++k) {
-    for (Eigen::Index j = 0; j < 2; ++j) {
-      const bool first = std::abs(record.values(k, 4 * j)) >
-                         std::abs(record.values(k, 4 * j + 3));
-      record.values(k, 4 * j + (first ? 0 : 3)) = kNaN;
-    }
+    if (record.frequencies[k] < 7.0) continue;
+    for (const Eigen::Index pair : {1, 2, 5, 6}) record.values(k, pair) = kNaN;
   }
-  EXPECT_THAT(PlacesOf(Find(problem)), IsEmpty());
+  EXPECT_THAT(PlacesOf(Find(problem)),
+              ElementsAre("sensors 'u2' and 'u3' swapped"));
 }
 
 TEST(FrfSuspects, TurnsAreFoundAmongManySensors) {
