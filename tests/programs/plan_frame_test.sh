@@ -36,6 +36,9 @@ sensors=($(awk '/^  Sensor /{ on = 1; next } on && /^$/ { exit }
 noise=$(awk -v name="${sensors[0]}" '$1 == name { print $2; exit }' plan)
 [[ ${#sensors[@]} -eq 6 ]] || Fail "six sensors"
 
+# Four modes more than DOFs stay: planned sensors lie close together, and twelve
+# modes alone hardly tell them apart (the cost had rounding of 0.3 %).
+#
 # What the case looks at besides: the forces and the ends of the braces.
 kept=("${sensors[@]}")
 for dof in 3153.1 2151.2 3054.1 3104.1 5102.2 5264.1 1151.1 1151.2; do
@@ -44,6 +47,7 @@ for dof in 3153.1 2151.2 3054.1 3104.1 5102.2 5264.1 1151.1 1151.2; do
 done
 {
   awk -v keep="$(printf '"%s", ' "${kept[@]}")" '
+    /^method = / { print "method = \"modal\"\nmodes = 16"; next }
     /^keep = / { print "keep = [" keep "]"; skip = 1; next }
     skip && /^ / { next }
     { skip = 0 }

@@ -175,6 +175,10 @@ FUNCTIONS = {
         "sampling_rate_hz": "positive", "names": "names", "references": "list",
         "quantity": "text", "estimator": "text", "excitation": "text", "block": "positive",
         "overlap": "number", "force_window": "positive", "exponential_window": "positive"}),
+    "FrequencyResponses.save": (
+        lambda: pinode.estimate_frfs(
+            FLOORS[:, :1], FLOORS, step=STEP, block=20 * STEP).save,
+        dict(path="none.uff"), {"path": "path"}),
     "read_case": (lambda: pinode.read_case, dict(path="none.toml"), {
         "path": "path", "simulation": "flag", "planning": "flag"}),
     "read_result": (lambda: pinode.read_result, dict(path="none"), {"path": "path"}),
