@@ -281,7 +281,8 @@ TEST_F(ModesSectionTest, RefusesInOneLine) {
                              "excitation = \"none\"\nsampling_rate_hz")),
               HasSubstr("needs a measured force"));
   EXPECT_THAT(Error(Replaced(frf, "quantity = \"velocity\"\n  unit = \"mm/s\"",
-                             "quantity = \"strain\"\n  dof = \"u2\"")),
+                             "quantity = \"strain\"\n  gauge_length = 1.0\n  "
+                             "unit = \"1\"\n  dof = \"u2\"")),
               HasSubstr("are of motions"));
 }
 
