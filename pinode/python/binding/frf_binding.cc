@@ -2,7 +2,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <cmath>
 #include <complex>
 #include <memory>
 #include <string>
@@ -68,7 +67,6 @@ std::shared_ptr<FrfHandle> EstimateFromArrays(
   bool ok = false;
   {
     py::gil_scoped_release release;
-    // Records and step are checked first where no block is given.
     ok = (block == 0.0 || all.empty() ||
           FindFrfBlock(all, block, &options, &error)) &&
          EstimateFrfs(all, options, &handle->estimate, &error) &&
