@@ -203,7 +203,7 @@ bool ConstraintBasis(const FiniteElementModel& model,
                      const Partition& partition, int num_modes,
                      std::unique_ptr<ShiftedFactors> factors, Matrix* basis,
                      std::string* error) {
-  // Where few DOFs are left, or a quarter of their modes is asked for, the part
+  // If few DOFs are left, or a quarter of their modes is asked for, the part
   // of K that they have is solved at once.
   const auto others = static_cast<Eigen::Index>(partition.others.size());
   Matrix shapes;

@@ -137,7 +137,7 @@ TEST(ReduceModel, SerepKeepsAsManyModesAsDofs) {
 }
 
 // If every other mass is missing, the reduction is exact.
-// By NumPy: the smallest singular value of the three modes at neighbouring DOFs
+// NumPy: the smallest singular value of the three modes at neighbouring DOFs
 // is 8.7e-5 of the largest, at distant ones 0.89.
 TEST(ReduceModel, SaysWhereKeptDofsHardlyMoveIndependently) {
   const FiniteElementModel model = Chain(30, true);
