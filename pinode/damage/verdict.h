@@ -87,8 +87,9 @@ struct MissedMotion {
   // overlap after widening by other explanations of the unexplained motion.
   // Empty: false for all.
   std::vector<bool> within_doubt = {};
-  // True if another solution describes the data of a baseline or of the new
-  // records as well. No number of baselines decides between mirrored solutions.
+  // True if another solution describes the data of a baseline as well, or those
+  // of the new records without being among the explanations. No number of
+  // baselines decides between mirrored solutions.
   bool other_solution = false;
   // One flag per subject. It is true if an added mass explains what changed
   // about as well, whatever the number of baselines. Empty: false for all.

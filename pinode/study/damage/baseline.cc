@@ -74,13 +74,7 @@ bool MissesMotion(const Verdict& verdict) {
 Doubts DoubtsOf(const IdentificationSummary& summary) {
   Doubts doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
-  if (HasOtherSolution(summary.verdict)) {
-    doubts.other_solution = true;
-    for (const ParameterEstimate& own : summary.parameters) {
-      doubts.reach.push_back({own.name, own.value, -kInfinity, kInfinity});
-    }
-    return doubts;
-  }
+  doubts.other_solution = HasOtherSolution(summary.verdict);
   const bool misses_motion = MissesMotion(summary.verdict);
   for (const ParameterEstimate& own : summary.parameters) {
     ExplainedValue doubt{own.name, own.value, own.value - own.half_width95,

@@ -37,8 +37,9 @@ struct Doubts {
   // Values and widened intervals of named parameters. They include the
   // intervals under the likeliest explanations. If motion is unexplained, they
   // also include the result's own intervals, which allow for an incomplete
-  // model. Endless if another solution describes the data as well.
+  // model.
   std::vector<ExplainedValue> reach = {};
+  // True if another solution describes the data as well.
   bool other_solution = false;
   // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;

@@ -306,11 +306,15 @@ class Analyst {
     RemarkWhatDiffers(healthy, current, groups_, result_.estimate,
                       &result_.remarks);
     MissedMotion missed = Missed();
-    missed.other_solution = doubts_.other_solution ||
-                            std::any_of(baselines_.begin(), baselines_.end(),
-                                        [](const Baseline& baseline) {
-                                          return baseline.doubts.other_solution;
-                                        });
+    // Where changes were refitted, the other solution of the new records is
+    // among their explanations.
+    const bool is_open =
+        doubts_.other_solution && result_.estimate.explanations.empty();
+    missed.other_solution =
+        is_open || std::any_of(baselines_.begin(), baselines_.end(),
+                               [](const Baseline& baseline) {
+                                 return baseline.doubts.other_solution;
+                               });
     // Several baselines show themselves how much records differ.
     if (healthy.size() == 1) {
       missed.within_doubt =
@@ -336,7 +340,9 @@ class Analyst {
       RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
                             &result_.remarks);
     }
-    RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
+    if (is_open) {
+      RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
+    }
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));

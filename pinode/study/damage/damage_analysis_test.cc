@@ -251,8 +251,12 @@ TEST_F(AnalyseDamageTest, ABaselineWithAnotherSolutionNamesNoGroup) {
   ASSERT_FALSE(result.remarks.empty());
   EXPECT_THAT(result.remarks.back(), HasSubstr("Another solution"));
   // A second baseline does not decide between the solutions.
-  Baseline second = BaselineOrFail();
-  second.name = "second";
+  const auto healthy = ChainAt(Vector{{0.05, -0.02, 0.01}});
+  const TestFit again = FitOf(MeasuredChain(3, *healthy, 9));
+  Baseline second;
+  ASSERT_TRUE(BaselineFrom("second", again.problem, again.summary, again.model,
+                           &second, &error))
+      << error;
   ASSERT_TRUE(Analyse(*damaged_, {baseline, second}, {}, &result, &error))
       << error;
   EXPECT_EQ(result.judgement.verdict, DamageVerdict::kCannotTell)

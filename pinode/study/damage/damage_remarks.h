@@ -20,8 +20,7 @@ void RemarkWhatIsOpen(const std::string& records,
                       const std::vector<std::string>& directions,
                       std::vector<std::string>* remarks);
 
-// Another solution describes the data of `whose` as well: the reach of its
-// doubts is endless.
+// Another solution describes the data of `whose` as well.
 void RemarkAnotherSolution(const std::string& whose, const Doubts& doubts,
                            std::vector<std::string>* remarks);
 
