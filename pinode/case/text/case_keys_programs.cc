@@ -106,7 +106,7 @@ CaseTable ModesFrfKeys() {
            "Length of the blocks that are averaged; of `periodic` the period, "
            "which it needs."},
           {"overlap", "number", "a share", "0.5",
-           "Overlap of the blocks of a random force."},
+           "Overlap of the blocks of a random force; refused for others."},
           {"force_window", "number", "s", "none",
            "After this time from the beginning of a block, the force of a blow "
            "is set to zero."},

@@ -306,7 +306,7 @@ class Analyst {
     RemarkWhatDiffers(healthy, current, groups_, result_.estimate,
                       &result_.remarks);
     MissedMotion missed = Missed();
-    // Where changes were refitted, the other solution of the new records is
+    // If changes were refitted, the other solution of the new records is
     // among their explanations.
     const bool is_open =
         doubts_.other_solution && result_.estimate.explanations.empty();
