@@ -32,12 +32,17 @@ T BeyondGap(const T& x, const T& gap) {
 }
 
 // Rate of the elongation z of a spring behind a slider that yields at |z| =
-// slip: w, less w (|z| / slip)^n where |z| grows.
+// slip: w, less w (|z| / slip)^n where |z| grows. Only a start or a step that
+// is too long leads beyond the slip; there the power goes on along its tangent,
+// since the power itself would throw z to infinity in one step.
 template <typename T>
 T SliderRate(const T& w, const T& z, const T& slip, const T& n) {
   const bool outwards = (w < T(0.0)) == (z < T(0.0));
   if (!outwards) return w;
-  return w - w * SafePower(T(Magnitude(z) / slip), n);
+  const T ratio = Magnitude(z) / slip;
+  const T share = ratio > T(1.0) ? T(T(1.0) + n * (ratio - T(1.0)))
+                                 : SafePower(ratio, n);
+  return w - w * share;
 }
 
 struct BoucWen {
