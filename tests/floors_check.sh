@@ -55,6 +55,7 @@ awk '
     rooms["structure"] = "model sparse matrices decks"
     rooms["record"] = ". files frf"
     rooms["modal"] = ". frf"
+    rooms["integrate"] = ". periodic"
     rooms["estimate"] = "solver shooting start ambient frf objective certainty fit ."
     rooms["study"] = "problem reduction terms explanations identify laws sensors damage picture"
     rooms["case"] = "text sections draft results run"
