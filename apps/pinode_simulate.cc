@@ -1,11 +1,12 @@
 // Simulates the sensor values of a case's model under its records' excitations,
-// with noise on request.
+// with noise on request, or its periodic responses to a harmonic load.
 //
 // Sample run:
 //   pinode_simulate --case=data/three_storey/three_storey.toml --output_dir=out
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,13 +17,16 @@
 #include "apps/launcher.h"
 #include "apps/print.h"
 #include "apps/program.h"
+#include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/results/matlab_results.h"
 #include "pinode/case/results/result_files.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/case/sections/case_file.h"
 #include "pinode/case/text/csv_file.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/study/problem/harmonic_sweep.h"
 #include "pinode/study/problem/simulation.h"
 
 DEFINE_string(
@@ -38,9 +42,31 @@ DEFINE_double(noise_percent, -1.0,
               "noise in per cent of each channel's standard deviation; "
               "negative: as in the case");
 DEFINE_int64(seed, -1, "seed of the noise; negative: as in the case");
+DEFINE_string(sweep, "",
+              "load of the case, such as force_u1 or ground_x: instead of the "
+              "records, its harmonic sweep is simulated");
+DEFINE_string(sweep_hz, "",
+              "first and last frequency of the sweep, such as 0.5:8; the first "
+              "may be the larger one");
+DEFINE_double(sweep_amplitude, 1.0,
+              "amplitude of the sweep's load in the model's units");
+DEFINE_int32(sweep_points, 200, "number of points of the sweep");
 
 namespace pinode {
 namespace {
+
+// Reads --sweep_hz. Returns false, with *error, if it is no pair of numbers.
+bool ParseSweepHz(double* from, double* to, std::string* error) {
+  const size_t colon = FLAGS_sweep_hz.find(':');
+  if (colon != std::string::npos &&
+      ParseDouble(FLAGS_sweep_hz.substr(0, colon), from) &&
+      ParseDouble(FLAGS_sweep_hz.substr(colon + 1), to)) {
+    return true;
+  }
+  *error = "--sweep_hz is '" + FLAGS_sweep_hz +
+           "', expected first and last frequency in Hz, such as 0.5:8";
+  return false;
+}
 
 bool CheckFlags(std::string* error) {
   if (FLAGS_case.empty()) {
@@ -49,6 +75,10 @@ bool CheckFlags(std::string* error) {
     *error = "--output_dir=FOLDER is missing; see --help";
   } else if (!std::isfinite(FLAGS_noise_percent)) {
     *error = "--noise_percent must be finite";
+  } else if (FLAGS_sweep.empty() && !FLAGS_sweep_hz.empty()) {
+    *error = "--sweep_hz needs --sweep, the name of a load";
+  } else if (!FLAGS_sweep.empty() && FLAGS_sweep_hz.empty()) {
+    *error = "--sweep needs --sweep_hz, such as --sweep_hz=0.5:8";
   } else {
     return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
   }
@@ -104,6 +134,108 @@ bool WriteResponse(const IdentificationProblem& problem, size_t r,
       SensorColumns(problem, record, response.sensors, percent, noise), error);
 }
 
+// Prints the largest response of each channel, and where the response is not
+// stable.
+void PrintSweep(const IdentificationProblem& problem,
+                const IdentificationRecord& record,
+                const std::vector<SweepPoint>& points) {
+  Print("sweep of %s: %zu points\n", FLAGS_sweep.c_str(), points.size());
+  for (size_t i = 0; i < record.channels.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const auto largest =
+        std::max_element(points.begin(), points.end(),
+                         [row](const SweepPoint& a, const SweepPoint& b) {
+                           return a.half_range[row] < b.half_range[row];
+                         });
+    Print("  %-16s largest half range %.4g %s, at %.4g Hz\n",
+          record.channels[i].observation.name.c_str(), largest->half_range[row],
+          problem.UnitOf(record.channels[i]).c_str(), largest->frequency_hz);
+  }
+  double lowest = kInfinity;
+  double highest = 0.0;
+  for (const SweepPoint& point : points) {
+    if (!(point.largest_multiplier > 1.0)) continue;
+    lowest = std::min(lowest, point.frequency_hz);
+    highest = std::max(highest, point.frequency_hz);
+  }
+  if (highest > 0.0) {
+    Print(
+        "  not stable between %.4g and %.4g Hz: the structure jumps to "
+        "another response there\n",
+        lowest, highest);
+  }
+}
+
+// Writes sweep.csv.
+bool WriteSweep(const IdentificationRecord& record,
+                const std::vector<SweepPoint>& points,
+                const std::string& folder, std::string* error) {
+  std::vector<CsvColumn> columns;
+  const auto add = [&](const std::string& name, auto value) {
+    columns.push_back({name, static_cast<Eigen::Index>(points.size()),
+                       [&points, value](Eigen::Index row) -> double {
+                         return value(points[static_cast<size_t>(row)]);
+                       }});
+  };
+  add("frequency_hz", [](const SweepPoint& p) { return p.frequency_hz; });
+  for (size_t i = 0; i < record.channels.size(); ++i) {
+    const auto c = static_cast<Eigen::Index>(i);
+    const std::string& name = record.channels[i].observation.name;
+    add(name, [c](const SweepPoint& p) { return p.half_range[c]; });
+    add(name + "_amplitude",
+        [c](const SweepPoint& p) { return p.amplitude[c]; });
+    add(name + "_phase_deg",
+        [c](const SweepPoint& p) { return 360.0 / kTwoPi * p.phase[c]; });
+  }
+  add("largest_multiplier",
+      [](const SweepPoint& p) { return p.largest_multiplier; });
+  add("num_harmonics", [](const SweepPoint& p) { return p.num_harmonics; });
+  add("neglected", [](const SweepPoint& p) { return p.neglected; });
+  return WriteCsv(folder + "/sweep.csv", columns, error);
+}
+
+// Runs the sweep instead of the records. Returns the program's exit status.
+int RunSweep(const Case& c) {
+  std::string error;
+  HarmonicLoad load;
+  load.input = FLAGS_sweep;
+  load.amplitude = FLAGS_sweep_amplitude;
+  load.num_points = FLAGS_sweep_points;
+  if (!ParseSweepHz(&load.from_hz, &load.to_hz, &error)) return Refuse(error);
+  if (c.problem.records.empty()) {
+    return Refuse("a sweep needs a record, which names loads and channels");
+  }
+  CatchInterrupts();
+  std::vector<SweepPoint> points;
+  const bool finished =
+      SweepRecord(c.problem, 0, ParameterLayout(c.problem).InitialValues(),
+                  load, {}, &points, &error);
+  if (points.size() < 2) return Refuse(error);
+  if (!finished) {
+    PrintError("%s; sweep.csv has the points so far", error.c_str());
+  }
+  const IdentificationRecord& record = c.problem.records[0];
+  PrintSweep(c.problem, record, points);
+
+  SimulationSummary summary;
+  summary.case_path = c.path;
+  summary.sweep = {load.input, load.amplitude, load.from_hz,
+                   load.to_hz, points.size(),  finished};
+  ResultFolder folder;
+  if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
+    return Refuse(error);
+  }
+  if (!WriteSweep(record, points, folder.working_path(), &error) ||
+      !WriteSimulationSummary(folder.working_path() + "/simulate.json", summary,
+                              &error) ||
+      (FLAGS_mat && !WriteMatlabResults(folder.working_path(), &error)) ||
+      !folder.Commit(&error)) {
+    return CannotWrite(error, folder);
+  }
+  Print("Sweep: %s\n", folder.final_path().c_str());
+  return finished ? kExitDone : kExitNotUsable;
+}
+
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
@@ -111,7 +243,9 @@ int RunProgram(int argc, char** argv) {
   if (!ParseFlags(argc, argv,
                   "pinode_simulate --case=FILE --output_dir=FOLDER\n\n"
                   "Simulates the response to the excitation of each record and "
-                  "writes response_<record>.csv.",
+                  "writes response_<record>.csv. With --sweep=LOAD "
+                  "--sweep_hz=FROM:TO it follows the periodic responses to a "
+                  "harmonic load, stable or not, and writes sweep.csv.",
                   &status)) {
     return status;
   }
@@ -125,6 +259,7 @@ int RunProgram(int argc, char** argv) {
   if (!CheckFlags(&error) || !ReadCaseForSimulation(FLAGS_case, &c, &error)) {
     return Refuse(error);
   }
+  if (!FLAGS_sweep.empty()) return RunSweep(c);
   SimulationSummary summary;
   summary.case_path = c.path;
   summary.noise_percent =

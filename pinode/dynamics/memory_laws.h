@@ -40,8 +40,8 @@ T SliderRate(const T& w, const T& z, const T& slip, const T& n) {
   const bool outwards = (w < T(0.0)) == (z < T(0.0));
   if (!outwards) return w;
   const T ratio = Magnitude(z) / slip;
-  const T share = ratio > T(1.0) ? T(T(1.0) + n * (ratio - T(1.0)))
-                                 : SafePower(ratio, n);
+  const T share =
+      ratio > T(1.0) ? T(T(1.0) + n * (ratio - T(1.0))) : SafePower(ratio, n);
   return w - w * share;
 }
 

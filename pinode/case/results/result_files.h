@@ -73,11 +73,21 @@ struct SimulationSummary {
   double noise_percent = 0.0;
   std::uint64_t seed = 0;
   std::vector<Record> records;
+  // Harmonic sweep; without points if there was none.
+  struct Sweep {
+    std::string load;
+    double amplitude = 0.0;  // in the model's units
+    double from_hz = 0.0;
+    double to_hz = 0.0;
+    size_t num_points = 0;
+    bool finished = false;
+  };
+  Sweep sweep;
 };
 
 // Writes {"schema": "pinode-simulate-1", "case", "noise_percent", "seed",
-// "records": [{"name", "samples", "finite"}]} to the file `path`. Returns
-// false, with *error, if the file cannot be written.
+// "records": [{"name", "samples", "finite"}]} to the file `path`, and "sweep"
+// if there was one. Returns false, with *error, if the file cannot be written.
 [[nodiscard]] bool WriteSimulationSummary(const std::string& path,
                                           const SimulationSummary& summary,
                                           std::string* error);

@@ -381,6 +381,13 @@ bool WriteSimulationSummary(const std::string& path,
                                {"samples", record.num_samples},
                                {"finite", record.finite}});
   }
+  const SimulationSummary::Sweep& sweep = summary.sweep;
+  if (sweep.num_points > 0) {
+    json["sweep"] = {
+        {"load", sweep.load},         {"amplitude", sweep.amplitude},
+        {"from_hz", sweep.from_hz},   {"to_hz", sweep.to_hz},
+        {"points", sweep.num_points}, {"finished", sweep.finished}};
+  }
   return WriteFileAtomically(
       path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
       error);

@@ -33,7 +33,7 @@ class Follower {
         harmonics_(options.harmonics),
         range_(std::abs(options.to - options.from)) {}
 
-  bool Run(std::vector<PeriodicResponse>* curve, std::string* error);
+  bool Run(std::string* error);
 
  private:
   // A step along the curve changes the frequency by at most 1 / (num_points -
@@ -52,7 +52,8 @@ class Follower {
   bool Begin(Point* point);
   // Adds harmonics until the next ones do not matter.
   void Refine(Point* point);
-  void Add(const Point& point, std::vector<PeriodicResponse>* curve);
+  // Hands the point over. Returns false if the curve is to end.
+  bool Show(const Point& point);
   void Pad(int harmonics, Vector* vector) const;
   // True if the frequency lies between the ends.
   bool IsInside(double omega) const {
@@ -65,6 +66,7 @@ class Follower {
   double range_;
   HarmonicBalance::Equations equations_;
   int iterations_ = 0;
+  int num_points_ = 0;
 };
 
 bool Follower::Correct(const Vector& tangent, double scale, Point* point) {
@@ -172,15 +174,16 @@ void Follower::Refine(Point* point) {
   }
 }
 
-void Follower::Add(const Point& point, std::vector<PeriodicResponse>* curve) {
-  curve->push_back(
+bool Follower::Show(const Point& point) {
+  ++num_points_;
+  return options_.each(
       {point.omega,
        balance_->StateCoefficients(harmonics_, point.omega, point.unknowns),
        equations_.neglected,
        balance_->LargestMultiplier(harmonics_, point.omega, point.unknowns)});
 }
 
-bool Follower::Run(std::vector<PeriodicResponse>* curve, std::string* error) {
+bool Follower::Run(std::string* error) {
   // A step that needs few iterations is lengthened, one that needs many
   // shortened. Turns of a curve between few points need this much shorter ones.
   constexpr int kFewIterations = 3;
@@ -190,7 +193,6 @@ bool Follower::Run(std::vector<PeriodicResponse>* curve, std::string* error) {
   constexpr double kFarthestEnd = 3.0;
   // A response that turns back often, such as one with many modes, ends too.
   const int most_points = 20 * options_.num_points;
-  curve->clear();
   Point point;
   if (!Begin(&point)) {
     *error =
@@ -199,13 +201,12 @@ bool Follower::Run(std::vector<PeriodicResponse>* curve, std::string* error) {
     return false;
   }
   Refine(&point);
-  Add(point, curve);
+  if (!Show(point)) return true;
   const double longest = 1.0 / (options_.num_points - 1);
   double length = longest;
   double scale = Scale(point.unknowns);
   Vector tangent = Tangent(point, scale, {});
-  while (static_cast<int>(curve->size()) < most_points) {
-    if (options_.go_on && !options_.go_on(point.omega)) return true;
+  while (num_points_ < most_points) {
     const Eigen::Index n = point.unknowns.size();
     Point next;
     next.unknowns = point.unknowns + length * scale * tangent.head(n);
@@ -247,8 +248,7 @@ bool Follower::Run(std::vector<PeriodicResponse>* curve, std::string* error) {
       tangent << padded, last;
     }
     point = std::move(next);
-    Add(point, curve);
-    if (is_last) return true;
+    if (!Show(point) || is_last) return true;
     scale = Scale(point.unknowns);
     tangent = Tangent(point, scale, tangent);
   }
@@ -260,10 +260,8 @@ bool Follower::Run(std::vector<PeriodicResponse>* curve, std::string* error) {
 }  // namespace
 
 bool FollowResponseCurve(const ResponseCurveOptions& options,
-                         HarmonicBalance* balance,
-                         std::vector<PeriodicResponse>* curve,
-                         std::string* error) {
-  return Follower(options, balance).Run(curve, error);
+                         HarmonicBalance* balance, std::string* error) {
+  return Follower(options, balance).Run(error);
 }
 
 }  // namespace pinode

@@ -5,12 +5,22 @@
 
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "pinode/base/types.h"
 #include "pinode/integrate/periodic/harmonic_balance.h"
 
 namespace pinode {
+
+// One periodic response.
+struct PeriodicResponse {
+  double omega = 0.0;
+  // Coefficients of the states as in HarmonicBalance.
+  Matrix states;
+  // Relative size of the harmonics that were left out.
+  double neglected = 0.0;
+  // See HarmonicBalance::LargestMultiplier.
+  double largest_multiplier = 0.0;
+};
 
 struct ResponseCurveOptions {
   // First and last angular frequency, both positive. The curve may turn back in
@@ -24,29 +34,16 @@ struct ResponseCurveOptions {
   int harmonics = 7;
   int most_harmonics = 63;
   double tolerance = 1e-6;
-  // Called after each point with its frequency. The curve ends if it returns
-  // false.
-  std::function<bool(double)> go_on;
-};
-
-// One periodic response.
-struct PeriodicResponse {
-  double omega = 0.0;
-  // Coefficients of the states as in HarmonicBalance.
-  Matrix states;
-  // Relative size of the harmonics that were left out.
-  double neglected = 0.0;
-  // See HarmonicBalance::LargestMultiplier.
-  double largest_multiplier = 0.0;
+  // Called with each point of the curve. The curve ends if it returns false.
+  std::function<bool(const PeriodicResponse&)> each;
 };
 
 // Follows the periodic responses from options.from to options.to by
 // pseudo-arclength continuation (H. B. Keller 1977), also around the points at
 // which the curve turns back. Returns false with a sentence in *error if it
-// cannot begin, or cannot go on; *curve then has the points so far.
+// cannot begin, or cannot go on.
 [[nodiscard]] bool FollowResponseCurve(const ResponseCurveOptions& options,
                                        HarmonicBalance* balance,
-                                       std::vector<PeriodicResponse>* curve,
                                        std::string* error);
 
 }  // namespace pinode

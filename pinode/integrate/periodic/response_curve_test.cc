@@ -45,12 +45,17 @@ struct ForcedChain {
     CHECK(balance != nullptr) << error;
     return balance;
   }
-  std::vector<PeriodicResponse> Curve(const ResponseCurveOptions& options) {
+  // The curve's points, `most` at most.
+  std::vector<PeriodicResponse> Curve(ResponseCurveOptions options,
+                                      size_t most = 10000) {
     const auto balance = Balance();
     std::vector<PeriodicResponse> curve;
+    options.each = [&curve, most](const PeriodicResponse& response) {
+      curve.push_back(response);
+      return curve.size() < most;
+    };
     std::string error;
-    EXPECT_TRUE(FollowResponseCurve(options, balance.get(), &curve, &error))
-        << error;
+    EXPECT_TRUE(FollowResponseCurve(options, balance.get(), &error)) << error;
     return curve;
   }
 
@@ -192,10 +197,7 @@ TEST(ResponseCurve, OfHysteresisIsWhatARunComesTo) {
 
 TEST(ResponseCurve, EndsWhenItIsTold) {
   ForcedChain chain(1, 1.0, 0.1, 0.3);
-  auto options = Between(0.3, 3.0, 60);
-  int calls = 0;
-  options.go_on = [&calls](double) { return ++calls < 5; };
-  EXPECT_EQ(chain.Curve(options).size(), 5u);
+  EXPECT_EQ(chain.Curve(Between(0.3, 3.0, 60), 5).size(), 5u);
 }
 
 TEST(HarmonicBalance, RefusesWhatHasNoPeriodicResponse) {
