@@ -363,11 +363,12 @@ Matrix HarmonicBalance::StateCoefficients(int harmonics, double omega,
 double HarmonicBalance::LargestMultiplier(int harmonics, double omega,
                                           const Vector& unknowns) {
   // Steps are halved until the distance from the limit of 1 is settled.
+  constexpr int kFirstSteps = 32;
   constexpr int kMostSteps = 8192;
   constexpr double kSettled = 0.1;
   constexpr double kNoDistance = 1e-7;
   if (modal_blocks_.size() == 0) return kNaN;
-  int steps = NumSamples(harmonics);
+  int steps = kFirstSteps;
   double before = LargestMultiplierWith(harmonics, omega, steps, unknowns);
   while (steps < kMostSteps) {
     steps *= 2;
@@ -405,6 +406,7 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
     }
   }
   const Matrix loop = modal_active_ * modal_actions_;
+  // Transposed: a state is a column, which is contiguous.
   Matrix motion = Matrix::Identity(states, states);
   Matrix turned(states, states);
   for (int j = 0; j < steps; ++j) {
@@ -415,20 +417,21 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
           dt * slope *
           (Matrix::Identity(active, active) - 0.5 * dt * loop * slope)
               .inverse();
-      motion += modal_actions_ * (kick * (modal_active_ * motion));
+      motion.noalias() += (motion * modal_active_.transpose()).eval() *
+                          (modal_actions_ * kick).transpose();
     }
     for (Eigen::Index i = 0; i < states; ++i) {
-      turned.row(i) = flow(i, 0) * motion.row(i);
+      turned.col(i) = flow(i, 0) * motion.col(i);
       if (flow(i, 1) == 0.0) continue;
       const bool first = i + 1 < states && modal_blocks_(i, i + 1) != 0.0;
-      turned.row(i) += flow(i, 1) * motion.row(first ? i + 1 : i - 1);
+      turned.col(i) += flow(i, 1) * motion.col(first ? i + 1 : i - 1);
     }
     motion.swap(turned);
   }
   // Growth of the powers of the motion: A^(2^p) grows as the largest
   // multiplier to the power 2^p.
   constexpr int kMostSquarings = 24;
-  constexpr double kSame = 1e-12;
+  constexpr double kSame = 1e-8;
   double log_size = 0.0, power = 1.0, before = kNaN;
   for (int p = 0; p < kMostSquarings; ++p) {
     const double size = motion.norm();

@@ -24,6 +24,16 @@ struct Point {
   double omega = 0.0;
 };
 
+// Returns a tangent for another number of unknowns, with its last entry, that
+// of the frequency, at the end.
+Vector Resized(const Vector& tangent, Eigen::Index unknowns) {
+  const Eigen::Index kept = std::min(unknowns, tangent.size() - 1);
+  Vector result = Vector::Zero(unknowns + 1);
+  result.head(kept) = tangent.head(kept);
+  result[unknowns] = tangent[tangent.size() - 1];
+  return result;
+}
+
 // Follows one curve.
 class Follower {
  public:
@@ -52,6 +62,8 @@ class Follower {
   bool Begin(Point* point);
   // Adds harmonics until the next ones do not matter.
   void Refine(Point* point);
+  // Drops those that were added if they are not needed any more.
+  void Coarsen(Point* point);
   // Hands the point over. Returns false if the curve is to end.
   bool Show(const Point& point);
   void Pad(int harmonics, Vector* vector) const;
@@ -174,6 +186,21 @@ void Follower::Refine(Point* point) {
   }
 }
 
+void Follower::Coarsen(Point* point) {
+  // So much smaller than the tolerance, they will not be added again at once.
+  constexpr double kNotNeeded = 1e-2;
+  const int fewer = harmonics_ / 2;
+  if (fewer < options_.harmonics) return;
+  const Eigen::Index kept = balance_->num_unknowns(fewer);
+  const Vector dropped = point->unknowns.tail(point->unknowns.size() - kept);
+  if (dropped.norm() >
+      kNotNeeded * options_.tolerance * point->unknowns.norm()) {
+    return;
+  }
+  harmonics_ = fewer;
+  point->unknowns.conservativeResize(kept);
+}
+
 bool Follower::Show(const Point& point) {
   ++num_points_;
   return options_.each(
@@ -240,15 +267,11 @@ bool Follower::Run(std::string* error) {
       return false;
     }
     Refine(&next);
-    if (next.unknowns.size() != n) {
-      Vector padded = tangent.head(n);
-      Pad(harmonics_, &padded);
-      const double last = tangent[n];
-      tangent.resize(padded.size() + 1);
-      tangent << padded, last;
-    }
+    tangent = Resized(tangent, next.unknowns.size());
     point = std::move(next);
     if (!Show(point) || is_last) return true;
+    Coarsen(&point);
+    tangent = Resized(tangent, point.unknowns.size());
     scale = Scale(point.unknowns);
     tangent = Tangent(point, scale, tangent);
   }
