@@ -15,6 +15,7 @@
 #include "pinode/python/binding/convert.h"
 #include "pinode/python/binding/fit.h"
 #include "pinode/python/binding/watch.h"
+#include "pinode/study/problem/harmonic_sweep.h"
 #include "pinode/study/problem/simulation.h"
 
 namespace pinode::python {
@@ -173,12 +174,63 @@ void SaveSimulation(const CaseHandle& handle, const py::dict& records,
   Require(ok, error);
 }
 
+// Returns arrays over the points of the sweep, and how it ended.
+py::dict Sweep(const std::shared_ptr<const CaseHandle>& handle,
+               const std::string& load, double from_hz, double to_hz,
+               double amplitude, int num_points) {
+  const IdentificationProblem& problem = handle->c.problem;
+  if (problem.records.empty()) {
+    throw Error("a sweep needs a record, which names loads and channels");
+  }
+  const HarmonicLoad wanted{load, amplitude, from_hz, to_hz, num_points};
+  const Vector parameters = ParameterLayout(problem).InitialValues();
+  const auto points = std::make_shared<std::vector<SweepPoint>>();
+  const auto message = std::make_shared<std::string>();
+  const auto finished = std::make_shared<bool>(false);
+  RunInterruptibly([handle, wanted, parameters, points, message, finished] {
+    *finished = SweepRecord(handle->c.problem, 0, parameters, wanted, {},
+                            points.get(), message.get());
+  });
+  if (points->size() < 2) throw Error(*message);
+  const auto column = [&points](const auto& value) {
+    Vector result(static_cast<Eigen::Index>(points->size()));
+    for (size_t i = 0; i < points->size(); ++i) {
+      result[static_cast<Eigen::Index>(i)] = value((*points)[i]);
+    }
+    return FromVector(result);
+  };
+  py::dict channels;
+  const IdentificationRecord& record = problem.records[0];
+  for (size_t i = 0; i < record.channels.size(); ++i) {
+    const auto c = static_cast<Eigen::Index>(i);
+    py::dict channel;
+    channel["half_range"] =
+        column([c](const SweepPoint& p) { return p.half_range[c]; });
+    channel["amplitude"] =
+        column([c](const SweepPoint& p) { return p.amplitude[c]; });
+    channel["phase"] = column([c](const SweepPoint& p) { return p.phase[c]; });
+    channels[py::str(record.channels[i].observation.name)] = std::move(channel);
+  }
+  py::dict result;
+  result["frequency_hz"] =
+      column([](const SweepPoint& p) { return p.frequency_hz; });
+  result["channels"] = std::move(channels);
+  result["largest_multiplier"] =
+      column([](const SweepPoint& p) { return p.largest_multiplier; });
+  result["finished"] = *finished;
+  result["remark"] = *message;
+  return result;
+}
+
 }  // namespace
 
 void BindSimulation(py::module_* module) {
   module->def("simulate", &Simulate, py::arg("case"),
               py::arg("noise_percent") = -1.0, py::arg("seed") = py::none(),
               py::arg("noise") = py::none());
+  module->def("sweep", &Sweep, py::arg("case"), py::arg("load"),
+              py::arg("from_hz"), py::arg("to_hz"), py::arg("amplitude"),
+              py::arg("num_points"));
   module->def("save_simulation", &SaveSimulation, py::arg("case"),
               py::arg("records"), py::arg("noise_percent"), py::arg("seed"),
               py::arg("noise"), py::arg("path"), py::arg("overwrite") = false,

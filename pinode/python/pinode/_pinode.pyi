@@ -117,6 +117,14 @@ def simulate(
     seed: int | None = None,
     noise: str | None = None,
 ) -> dict[str, dict[str, Any]]: ...
+def sweep(
+    case: CaseHandle,
+    load: str,
+    from_hz: float,
+    to_hz: float,
+    amplitude: float,
+    num_points: int,
+) -> dict[str, Any]: ...
 def plan_sensors(
     case: CaseHandle,
     num_sensors: int,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import ANY, FLAG, MAPPING, NUMBER, TEXT, WHOLE, takes, unknown_keyword
+from ._arguments import ANY, FLAG, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, takes, unknown_keyword
 from ._case_tables import KEYS, check_parts, purpose_of, tables_of
 from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher
 from ._pinode import Error
@@ -312,6 +312,36 @@ class Case:
             "noise": noise,
         }
         return Simulation(_pinode.simulate(self._handle, **wanted), self, wanted)
+
+    @speaks_python
+    @takes(load=TEXT, from_hz=POSITIVE, to_hz=POSITIVE, amplitude=POSITIVE, points=WHOLE)
+    def sweep(
+        self,
+        load: str,
+        from_hz: float,
+        to_hz: float,
+        *,
+        amplitude: float = 1.0,
+        points: int = 200,
+    ) -> dict[str, Any]:
+        """Follows the periodic responses to a harmonic load over its frequency, also where
+        several belong to one frequency. See "Periodic responses" in the theory.
+
+        load: name of a measured force or ground motion, "force_<dof>" or "ground_<direction>".
+        from_hz, to_hz: first and last frequency, Hz.
+        amplitude: amplitude of the load, in the model's units.
+        points: number of points if the curve does not turn back, at least 2.
+
+        Returns arrays with an entry per point of the curve: `frequency_hz`; `channels` by
+        name, each with `half_range` (half of the range), `amplitude` and `phase` (rad) of the
+        load's own frequency, in the units of the first record's file; `largest_multiplier`,
+        above 1 where the response is not stable, NaN where it is not known. `finished` is
+        False if the curve could not be followed to its end, and `remark` says why.
+
+        Raises Error if the load is unknown, or if the model has a network or follows the time.
+        """
+        return _pinode.sweep(self._handle, load, float(from_hz), float(to_hz),
+                             float(amplitude), points)
 
     @speaks_python
     @takes(num_sensors=WHOLE, force_at=TEXT, overwrite=FLAG)

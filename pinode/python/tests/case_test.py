@@ -225,6 +225,26 @@ def test_simulation_agrees_with_another_integration():
         case.simulate(noise_percent=-3)
 
 
+def test_sweep_of_a_linear_case_is_its_frequency_response(healthy):
+    sweep = healthy.sweep("ground_x", 1.0, 12.0, amplitude=0.5, points=30)
+    assert sweep["finished"] and sweep["remark"] == ""
+    frequency = sweep["frequency_hz"]
+    assert frequency[0] == 1.0 and frequency[-1] == pytest.approx(12.0, rel=1e-12)
+    for name, channel in sweep["channels"].items():
+        dof = healthy.dofs.index({"a1": "u1", "a2": "u2", "a3": "u3"}[name])
+        for f, amplitude in zip(frequency, channel["amplitude"]):
+            w = 2.0 * np.pi * f
+            relative = np.linalg.solve(
+                healthy.stiffness + 1j * w * healthy.damping - w**2 * healthy.mass,
+                w**2 * (healthy.mass @ np.ones(3)))
+            assert amplitude == pytest.approx(0.5 * abs(1.0 + relative[dof]), rel=1e-8)
+    assert np.all(sweep["largest_multiplier"] < 1.0)
+    with pytest.raises(pinode.Error, match="no load 'shaker'; the case has 'ground_x'"):
+        healthy.sweep("shaker", 1.0, 2.0)
+    with pytest.raises(pinode.Error, match="to_hz"):
+        healthy.sweep("ground_x", 1.0, -2.0)
+
+
 def test_simulations_are_written_as_the_program_does(healthy, tmp_path):
     healthy.save(tmp_path / "case")
     path = tmp_path / "case" / "case.toml"

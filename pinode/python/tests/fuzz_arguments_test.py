@@ -188,6 +188,9 @@ FUNCTIONS = {
         "mat": "flag"}),
     "Case.simulate": (lambda: case().simulate, {}, {
         "noise_percent": "number", "noise": "text", "seed": "whole"}),
+    "Case.sweep": (lambda: case().sweep, dict(load="ground_x", from_hz=1.0, to_hz=2.0, points=3), {
+        "load": "text", "from_hz": "number", "to_hz": "number", "amplitude": "number",
+        "points": "whole"}),
     "Case.check": (lambda: case().check, {}, {
         "output": "path", "overwrite": "flag", "mat": "flag"}),
     "Case.plan_sensors": (lambda: case().plan_sensors, dict(num_sensors=1), {
