@@ -62,7 +62,7 @@ struct ForcedChain {
   // The state after whole periods from `state`, by steps that follow the
   // force's phase.
   Vector Run(double omega, int periods, Vector state) {
-    constexpr int kSteps = 2000;
+    constexpr int kSteps = 600;
     const double dt = kTwoPi / omega / kSteps;
     auto scratch = dynamics.MakeLinearization();
     const auto rate = [&](double phase, const Vector& at) {
