@@ -110,13 +110,15 @@ std::shared_ptr<const ModalBasis::Spectrum> Decompose(
   return result;
 }
 
-// Does the same, or returns a cached result.
-std::shared_ptr<const ModalBasis::Spectrum> FindSpectrum(
+}  // namespace
+
+std::shared_ptr<const ModalBasis::Spectrum> ModalBasis::FindSpectrum(
     const Matrix& state_matrix) {
   const Eigen::Index ns = state_matrix.rows();
   if (ns < kLeastRemembered || ns > kMostRemembered) {
     return Decompose(state_matrix);
   }
+  // The result may be known already.
   {
     const std::lock_guard<std::mutex> lock(recent_mutex);
     for (const auto& known : recent) {
@@ -133,8 +135,6 @@ std::shared_ptr<const ModalBasis::Spectrum> FindSpectrum(
   if (recent.size() > kNumRemembered) recent.pop_front();
   return found;
 }
-
-}  // namespace
 
 bool ModalBasis::Compute(const Matrix& state_matrix,
                          const IntegrationGrid& grid) {

@@ -30,6 +30,11 @@ class ModalBasis {
     ComplexMatrix inverse_modes;
   };
 
+  // Returns the modes of `state_matrix`, F, alone. Returns nullptr where
+  // Compute() returns false.
+  static std::shared_ptr<const Spectrum> FindSpectrum(
+      const Matrix& state_matrix);
+
   // Computes the modes of `state_matrix`, F. Returns false if the modes do not
   // span the states to working accuracy. Rigid-body modes do not: their two
   // eigenvalues 0 have one mode.

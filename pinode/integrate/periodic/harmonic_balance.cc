@@ -1,6 +1,5 @@
 #include "pinode/integrate/periodic/harmonic_balance.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,7 +8,7 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
-#include "pinode/integrate/linear_rate.h"
+#include "pinode/integrate/modal_basis.h"
 
 namespace pinode {
 namespace {
@@ -179,71 +178,54 @@ bool HarmonicBalance::Factor(std::string* error) {
   // Beyond this ratio of the slowest to the fastest motion, rounding could have
   // made the slowest one of none: half the digits.
   constexpr double kSlowest = 1e-8;
-  const int motions = 2 * dynamics_.num_dofs();
+  const int n = dynamics_.num_dofs();
+  const int motions = 2 * n;
+  const int outputs = laws_.num_outputs();
   const int internal = laws_.num_internal();
   const int states = dynamics_.num_states();
-  const Matrix& motion = prepared_.linear.state_jacobian;
-  units_ = Vector::Ones(states);
-  units_.head(motions) = VelocityUnits(motion);
-  const Eigen::ComplexSchur<Matrix> slow(
-      units_.head(motions).asDiagonal() * motion *
-          units_.head(motions).cwiseInverse().asDiagonal(),
-      false);
-  if (slow.info() != Eigen::Success) {
-    *error = "the linear part of the model has no finite poles";
-    return false;
-  }
-  const Eigen::ArrayXd speeds = slow.matrixT().diagonal().cwiseAbs().array();
+  const auto spectrum =
+      ModalBasis::FindSpectrum(prepared_.linear.state_jacobian);
+  Eigen::ArrayXd speeds = Eigen::ArrayXd::Zero(1);
+  if (spectrum != nullptr) speeds = spectrum->eigenvalues.array().abs();
   if (!(speeds.minCoeff() > kSlowest * speeds.maxCoeff())) {
     *error =
-        "the model can move without stiffness, so the mean of a periodic "
-        "response is not determined; support it, or give it soft springs";
+        "the linear part of the model has motions without stiffness or without "
+        "modes, so that no periodic response is determined; support the model, "
+        "or change a damper that is critical";
     return false;
   }
   shift_ = std::exp(speeds.log().mean());
-  linear_ = Matrix::Zero(states, states);
-  linear_.topLeftCorner(motions, motions) = motion;
-  linear_.bottomRightCorner(internal, internal).diagonal().setConstant(-shift_);
-  linear_ = units_.asDiagonal() * linear_ * units_.cwiseInverse().asDiagonal();
-
-  actions_ = Matrix::Zero(states, laws_.num_outputs() + internal);
-  actions_.topLeftCorner(motions, laws_.num_outputs()) =
-      laws_.OutputMap(prepared_);
-  actions_.bottomRightCorner(internal, internal).setIdentity();
-  loads_ = Matrix::Zero(states, 2);
-  const int n = dynamics_.num_dofs();
-  loads_.block(n, 0, n, 1) = prepared_.linear.input_map * input_.mean;
-  loads_.block(n, 1, n, 1) = prepared_.linear.input_map * input_.amplitude;
-  actions_ = units_.asDiagonal() * actions_;
-  loads_ = units_.asDiagonal() * loads_;
-
-  const Eigen::ComplexSchur<Matrix> schur(linear_);
-  schur_vectors_ = schur.matrixU();
-  negative_triangle_ = -schur.matrixT();
-  Matrix right(states, actions_.cols() + 2);
-  right << actions_, loads_;
-  right_ = schur_vectors_.adjoint() * right;
-  active_vectors_.resize(num_active(), states);
+  poles_ = ComplexVector::Constant(states, -shift_);
+  poles_.head(motions) = spectrum->eigenvalues;
+  modes_ = ComplexMatrix::Identity(states, states);
+  modes_.topLeftCorner(motions, motions) = spectrum->modes;
+  active_modes_.resize(num_active(), states);
   for (int a = 0; a < num_active(); ++a) {
-    const int state = active_[static_cast<size_t>(a)];
-    active_vectors_.row(a) = schur_vectors_.row(state) / units_[state];
+    active_modes_.row(a) = modes_.row(active_[static_cast<size_t>(a)]);
   }
+  Matrix actions(motions, outputs + 2);
+  actions.leftCols(outputs) = laws_.OutputMap(prepared_);
+  actions.rightCols(2).setZero();
+  actions.col(outputs).tail(n) = prepared_.linear.input_map * input_.mean;
+  actions.col(outputs + 1).tail(n) =
+      prepared_.linear.input_map * input_.amplitude;
+  const ComplexMatrix modal = spectrum->inverse_modes * actions;
+  right_ = ComplexMatrix::Zero(states, outputs + internal + 2);
+  right_.topLeftCorner(motions, outputs) = modal.leftCols(outputs);
+  right_.topRightCorner(motions, 2) = modal.rightCols(2);
+  right_.block(motions, outputs, internal, internal).setIdentity();
 
-  // Eigenvectors that reproduce F are good enough for the multipliers.
-  constexpr double kReproduced = 1e-8;
-  const Eigen::EigenSolver<Matrix> modes(linear_);
-  if (modes.info() != Eigen::Success) return true;
-  const Matrix vectors = modes.pseudoEigenvectors();
-  const Eigen::PartialPivLU<Matrix> inverse(vectors);
-  const Matrix blocks = modes.pseudoEigenvalueMatrix();
-  const Matrix again = vectors * blocks * inverse.inverse();
-  if (!((again - linear_).norm() < kReproduced * linear_.norm())) return true;
-  modal_blocks_ = blocks;
-  modal_actions_ = inverse.solve(actions_);
-  modal_active_.resize(num_active(), states);
-  for (int a = 0; a < num_active(); ++a) {
-    const int state = active_[static_cast<size_t>(a)];
-    modal_active_.row(a) = vectors.row(state) / units_[state];
+  // A mode a + i b with the coordinate (p - i q) / 2 beside its conjugate is a
+  // p + b q.
+  const int laws = outputs + internal;
+  real_active_ = active_modes_.real();
+  real_actions_ = right_.leftCols(laws).real();
+  for (int m = 0; m < motions; ++m) {
+    if (!BeginsPair(m)) continue;
+    real_active_.col(m + 1) = active_modes_.col(m).imag();
+    real_actions_.row(m) = 2.0 * right_.row(m).head(laws).real();
+    real_actions_.row(m + 1) = -2.0 * right_.row(m).head(laws).imag();
+    ++m;
   }
   return true;
 }
@@ -277,19 +259,16 @@ bool HarmonicBalance::Sample(int harmonics, int samples, const Vector& unknowns,
 }
 
 ComplexMatrix HarmonicBalance::Solve(int k, double omega,
-                                     const ComplexMatrix& right) {
-  const Complex s(0.0, k * omega);
-  negative_triangle_.diagonal().array() += s;
-  const ComplexMatrix result =
-      negative_triangle_.triangularView<Eigen::Upper>().solve(right);
-  negative_triangle_.diagonal().array() -= s;
-  return result;
+                                     const ComplexMatrix& right) const {
+  const ComplexVector inverse =
+      (Complex(0.0, k * omega) - poles_.array()).inverse();
+  return inverse.asDiagonal() * right;
 }
 
 bool HarmonicBalance::Evaluate(int harmonics, double omega,
                                const Vector& unknowns, Equations* equations) {
   const Eigen::Index active = num_active();
-  const Eigen::Index laws = actions_.cols();
+  const Eigen::Index laws = real_actions_.cols();
   Matrix results, slopes;
   if (!Sample(harmonics, NumSamples(harmonics), unknowns, &results, &slopes)) {
     return false;
@@ -313,17 +292,17 @@ bool HarmonicBalance::Evaluate(int harmonics, double omega,
     if (k == 1) factors[laws + 1] = scale_;
     const ComplexMatrix solved = Solve(k, omega, right_);
     if (k > harmonics) {
-      SetHarmonic(k, active_vectors_ * (solved * factors), &neglected);
+      SetHarmonic(k, active_modes_ * (solved * factors), &neglected);
       continue;
     }
-    SetHarmonic(k, active_vectors_ * (solved * factors), &answer);
+    SetHarmonic(k, active_modes_ * (solved * factors), &answer);
     if (k > 0) {
-      SetHarmonic(k,
-                  Complex(0.0, k) *
-                      (active_vectors_ * Solve(k, omega, solved * factors)),
-                  &by_omega);
+      SetHarmonic(
+          k,
+          Complex(0.0, k) * (active_modes_ * Solve(k, omega, solved * factors)),
+          &by_omega);
     }
-    const ComplexMatrix reaches = active_vectors_ * solved.leftCols(laws);
+    const ComplexMatrix reaches = active_modes_ * solved.leftCols(laws);
     const int first = std::max(2 * k - 1, 0);
     for (int m = 0; m < more; ++m) {
       const ComplexMatrix part = reaches * by_w->By(k, m);
@@ -343,7 +322,7 @@ bool HarmonicBalance::Evaluate(int harmonics, double omega,
 
 Matrix HarmonicBalance::StateCoefficients(int harmonics, double omega,
                                           const Vector& unknowns) {
-  const Eigen::Index laws = actions_.cols();
+  const Eigen::Index laws = real_actions_.cols();
   Matrix results, slopes;
   if (!Sample(harmonics, NumSamples(harmonics), unknowns, &results, &slopes)) {
     return Matrix::Constant(dynamics_.num_states(), 2 * harmonics + 1, kNaN);
@@ -355,9 +334,9 @@ Matrix HarmonicBalance::StateCoefficients(int harmonics, double omega,
     factors.head(laws) = Harmonic(forces, k);
     if (k == 0) factors[laws] = 1.0;
     if (k == 1) factors[laws + 1] = scale_;
-    SetHarmonic(k, schur_vectors_ * Solve(k, omega, right_ * factors), &states);
+    SetHarmonic(k, modes_ * Solve(k, omega, right_ * factors), &states);
   }
-  return units_.cwiseInverse().asDiagonal() * states;
+  return states;
 }
 
 double HarmonicBalance::LargestMultiplier(int harmonics, double omega,
@@ -367,7 +346,6 @@ double HarmonicBalance::LargestMultiplier(int harmonics, double omega,
   constexpr int kMostSteps = 8192;
   constexpr double kSettled = 0.1;
   constexpr double kNoDistance = 1e-7;
-  if (modal_blocks_.size() == 0) return kNaN;
   int steps = kFirstSteps;
   double before = LargestMultiplierWith(harmonics, omega, steps, unknowns);
   while (steps < kMostSteps) {
@@ -388,43 +366,37 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
                                               const Vector& unknowns) {
   Matrix results, slopes;
   if (!Sample(harmonics, steps, unknowns, &results, &slopes)) return kNaN;
-  const Eigen::Index states = modal_blocks_.rows();
+  const Eigen::Index states = poles_.size();
   const Eigen::Index active = num_active();
   const double dt = kTwoPi / omega / steps;
-  // The exact linear motion over a step, block by block, and the laws in
-  // between by the trapezoidal rule, which no slope makes unstable.
-  Matrix flow = Matrix::Zero(states, 2);  // decay times cosine, and times sine
-  for (Eigen::Index i = 0; i < states; ++i) {
-    const bool first = i + 1 < states && modal_blocks_(i, i + 1) != 0.0;
-    const double turn = first ? dt * modal_blocks_(i, i + 1) : 0.0;
-    const double decay = std::exp(dt * modal_blocks_(i, i));
-    flow(i, 0) = decay * std::cos(turn);
-    flow(i, 1) = decay * std::sin(turn);
-    if (first) {
-      flow.row(i + 1) << flow(i, 0), -flow(i, 1);
-      ++i;
-    }
-  }
-  const Matrix loop = modal_active_ * modal_actions_;
+  // The exact linear motion over a step, mode by mode, and the laws in between
+  // by the trapezoidal rule, which no slope makes unstable.
+  const ComplexVector flow = (dt * poles_.array()).exp();
+  const Matrix loop = real_active_ * real_actions_;
   // Transposed: a state is a column, which is contiguous.
   Matrix motion = Matrix::Identity(states, states);
   Matrix turned(states, states);
   for (int j = 0; j < steps; ++j) {
-    const Eigen::Map<const Matrix> slope(slopes.col(j).data(), actions_.cols(),
-                                         active);
+    const Eigen::Map<const Matrix> slope(slopes.col(j).data(),
+                                         real_actions_.cols(), active);
     if (active > 0) {
       const Matrix kick =
           dt * slope *
           (Matrix::Identity(active, active) - 0.5 * dt * loop * slope)
               .inverse();
-      motion.noalias() += (motion * modal_active_.transpose()).eval() *
-                          (modal_actions_ * kick).transpose();
+      motion.noalias() += (motion * real_active_.transpose()).eval() *
+                          (real_actions_ * kick).transpose();
     }
-    for (Eigen::Index i = 0; i < states; ++i) {
-      turned.col(i) = flow(i, 0) * motion.col(i);
-      if (flow(i, 1) == 0.0) continue;
-      const bool first = i + 1 < states && modal_blocks_(i, i + 1) != 0.0;
-      turned.col(i) += flow(i, 1) * motion.col(first ? i + 1 : i - 1);
+    for (int m = 0; m < states; ++m) {
+      if (!BeginsPair(m)) {
+        turned.col(m) = flow[m].real() * motion.col(m);
+        continue;
+      }
+      turned.col(m) =
+          flow[m].real() * motion.col(m) + flow[m].imag() * motion.col(m + 1);
+      turned.col(m + 1) =
+          flow[m].real() * motion.col(m + 1) - flow[m].imag() * motion.col(m);
+      ++m;
     }
     motion.swap(turned);
   }

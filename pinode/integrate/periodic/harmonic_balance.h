@@ -43,7 +43,8 @@ class HarmonicBalance {
   // Returns nullptr, with a sentence in *error, if the dynamics have other
   // terms than laws and constant groups, if a law depends on the time, or if a
   // motion of the linear part has no stiffness, so that its mean is not
-  // determined. `dynamics` and `prepared` must outlive the object.
+  // determined, or no mode of its own (ModalBasis). `dynamics` and `prepared`
+  // must outlive the object.
   [[nodiscard]] static std::unique_ptr<HarmonicBalance> Create(
       const StructuralDynamics& dynamics,
       const StructuralDynamics::Prepared& prepared, HarmonicInput input,
@@ -90,12 +91,14 @@ class HarmonicBalance {
   // w, column after column.
   [[nodiscard]] bool Sample(int harmonics, int samples, const Vector& unknowns,
                             Matrix* results, Matrix* slopes);
-  // Returns (i k omega - F)^-1 times actions and loads, in Schur's coordinates.
-  // Their derivative by i k omega is -(i k omega - F)^-1 times it.
-  ComplexMatrix Solve(int k, double omega, const ComplexMatrix& right);
+  // Returns (i k omega - F)^-1 times `right`, both in modal coordinates.
+  ComplexMatrix Solve(int k, double omega, const ComplexMatrix& right) const;
   // The largest multiplier with so many steps of the linear motion.
   double LargestMultiplierWith(int harmonics, double omega, int steps,
                                const Vector& unknowns);
+
+  // True if a mode and the next one are a conjugate pair.
+  bool BeginsPair(int mode) const { return poles_[mode].imag() != 0.0; }
 
   const StructuralDynamics& dynamics_;
   const StructuralDynamics::Prepared& prepared_;
@@ -106,18 +109,15 @@ class HarmonicBalance {
   // Internal states have no linear part. Theirs is -shift_ z, and is added back
   // to the laws.
   double shift_ = 0.0;
-  // All below are in the scaled units of F.
-  Vector units_;    // scaled state = units * state
-  Matrix linear_;   // F with the part of z, num_states x num_states
-  Matrix actions_;  // columns of L, then unit vectors of z
-  Matrix loads_;    // G u for the mean and for the amplitude, two columns
-  // Complex Schur form F = U T U*: rows of U of the states w, U, -T, and U*
-  // times actions and loads.
-  ComplexMatrix active_vectors_, schur_vectors_, negative_triangle_, right_;
-  // Real modal form F = V B V^-1 with blocks of 2 x 2, for the multipliers:
-  // B, rows of V of the states w, and V^-1 times the actions. Empty if F has
-  // no such form.
-  Matrix modal_blocks_, modal_active_, modal_actions_;
+  // Modes of F with the part of z: poles, modes, the rows of the modes of the
+  // states w, and modal coordinates of the actions and of two loads. Actions
+  // are the columns of L, then unit vectors of z. The loads are G u of the mean
+  // and of the amplitude.
+  ComplexVector poles_;
+  ComplexMatrix modes_, active_modes_, right_;
+  // The same with real and imaginary part of a mode as two coordinates:
+  // rows of the states w, and the actions.
+  Matrix real_active_, real_actions_;
   Vector state_;  // for the laws
 };
 
