@@ -419,6 +419,27 @@ TEST(ReduceModel, RigidBodyModesStayAtZero) {
 
 // Adding a group to the whole model and reducing it gives the reduced model
 // with the reduced group.
+// Links of 1e7 times a spring: the modes of the reduced model, most of which
+// are asked for, span 3500 times in frequency.
+TEST(ReduceModel, ComparesAllModesBesideStiffLinks) {
+  FiniteElementModel model = Chain(40, true);
+  for (int i = 1; i < 40; i += 3) {
+    const double more = 1e7 - 1.0;
+    model.stiffness.coeffRef(i - 1, i - 1) += more;
+    model.stiffness.coeffRef(i, i) += more;
+    model.stiffness.coeffRef(i - 1, i) -= more;
+    model.stiffness.coeffRef(i, i - 1) -= more;
+  }
+  ReductionOptions options =
+      Options(ReductionMethod::kCraigBampton, {"u1", "u20", "u40"}, 36);
+  options.num_compared_modes = 36;
+  const ReducedModel reduced = ReduceOrFail(model, options);
+  ASSERT_EQ(reduced.frequency_error.size(), 36);
+  // All modes below the links are in the basis, and the last ones nearly.
+  EXPECT_LT(reduced.frequency_error.head(26).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_GT(reduced.mac.head(26).minCoeff(), 1.0 - 1e-6);
+}
+
 TEST(ReduceMatrix, GroupsAreReducedAlong) {
   FiniteElementModel model = Chain(12, true);
   const ReducedModel reduced = ReduceOrFail(

@@ -11,15 +11,16 @@
 
 namespace pinode {
 
-// Factorisation P S (K - shift M) S P' = L D L'. The diagonal matrix S makes
-// the diagonal of the matrix one, so that units, rotations and penalties do not
-// matter. There is no pivoting. The signs of D give the inertia if the factors
-// are accurate, which SolveError shows.
+// Factorisation P S (K - shift M) S P' = L D L'. The diagonal matrix S of
+// powers of two brings the diagonal of the matrix near one, so that units,
+// rotations and penalties do not matter. There is no pivoting. The signs of D
+// give the inertia if the factors are accurate, which SolveError shows.
 class ShiftedFactors {
  public:
   // Computes the factors of a positive definite matrix. Returns false if it is
   // not positive definite beyond rounding. Nothing but WeakestDof may be called
-  // then.
+  // then. A small matrix of wide range is factorised with 32 digits, which need
+  // a shift that is a power of two or zero.
   [[nodiscard]] bool FactoriseDefinite(const SparseMatrix& mass,
                                        const SparseMatrix& stiffness,
                                        double shift);
@@ -36,6 +37,9 @@ class ShiftedFactors {
   }
   // Returns the operations that the factors took, or 0 if they are few.
   double Operations() const { return factor_->Operations(); }
+
+  // Returns true if the factors have 32 digits.
+  bool IsDoubled() const { return factor_->IsDoubled(); }
 
   // Returns the accuracy of a solution with these factors: the relative error
   // of the right side, in the scaled matrix.

@@ -29,6 +29,9 @@ class SparseFactor {
   // Returns the operations of the factorisation, or 0 if nobody has counted.
   virtual double Operations() const { return 0.0; }
 
+  // Returns true if the factors have 32 digits.
+  virtual bool IsDoubled() const { return false; }
+
   // The following functions take and return n x m matrices.
 
   // Returns A^-1 B.

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
+
+#include "pinode/structure/sparse/doubled_factor.h"
 
 namespace pinode {
 namespace {
@@ -95,6 +98,30 @@ TEST(SimplicialFactor, CountsNegativeEigenvalues) {
   const std::unique_ptr<SparseFactor> factor = MakeSimplicialFactor();
   ASSERT_TRUE(factor->Factorise(Plate(3, 4.0 - 3.9)));
   EXPECT_EQ((factor->pivots().array() < 0.0).count(), 3);
+}
+
+TEST(DoubledFactor, SolvesAndSplits) {
+  const SparseMatrix matrix = Plate(9, 4.0);
+  const SparseMatrix none(matrix.rows(), matrix.cols());
+  const Matrix forces = Forces(matrix.rows());
+  const std::unique_ptr<SparseFactor> factor = MakeDoubledFactor(matrix, none);
+  ASSERT_NE(factor, nullptr);
+  const Matrix x = factor->Solve(forces);
+  EXPECT_LT((matrix * x - forces).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT((factor->SolveUpper(factor->SolveLower(forces)) - x).norm(),
+            1e-14 * x.norm());
+}
+
+// A matrix of ones is singular but for an addition that no entry can hold.
+TEST(DoubledFactor, KeepsTheRestOfTheEntries) {
+  SparseMatrix ones = Matrix::Ones(2, 2).sparseView();
+  SparseMatrix rest(2, 2);
+  EXPECT_EQ(MakeDoubledFactor(ones, rest), nullptr);
+  rest.coeffRef(1, 1) = std::ldexp(1.0, -60);
+  const std::unique_ptr<SparseFactor> factor = MakeDoubledFactor(ones, rest);
+  ASSERT_NE(factor, nullptr);
+  EXPECT_EQ(factor->pivots()[1], std::ldexp(1.0, -60));
+  EXPECT_EQ(factor->WeakestDof(), 1);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/structure/sparse/block_lanczos.h"
+#include "pinode/structure/sparse/checked_modes.h"
+#include "pinode/structure/sparse/dense_modes.h"
 #include "pinode/structure/sparse/inverse_operator.h"
 #include "pinode/structure/sparse/modes_from_factors.h"
 #include "pinode/structure/sparse/shifted_factors.h"
@@ -20,11 +22,6 @@
 namespace pinode {
 namespace {
 
-// Relative rounding of one operation.
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// Required accuracy of each mode.
-constexpr double kLargestErrorBound = 1e-8;
 // Relative width of a cluster of eigenvalues. Eigenvalues are counted above the
 // whole cluster.
 constexpr double kClusterWidth = 1e-6;
@@ -43,12 +40,6 @@ constexpr int kLargestDense = 4000;
 // Share of the cancelling parts below which a stiffness depends on the last
 // digits of a file.
 constexpr double kLastDigits = 1e-9;
-
-// Eigenpairs of the inverse operator, theta descending (w^2 ascending).
-struct InversePairs {
-  Vector theta;
-  Matrix vectors;  // orthonormal columns
-};
 
 // Applies Rayleigh and Ritz to the image of `basis`. One step of inverse
 // iteration removes unwanted parts, mainly massless motions.
@@ -78,25 +69,6 @@ bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
   return true;
 }
 
-// All eigenpairs with theta above rounding, by a dense solver.
-bool DenseInversePairs(const InverseOperator& inverse, Matrix* basis,
-                       std::string* error) {
-  const Eigen::Index n = inverse.rows();
-  const Matrix dense = inverse.Apply(Matrix::Identity(n, n));
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-      0.5 * (dense + dense.transpose()));
-  if (solver.info() != Eigen::Success) {
-    *error = "the dense eigenvalue iteration did not converge";
-    return false;
-  }
-  const Vector& theta = solver.eigenvalues();
-  const double rounding =
-      8.0 * static_cast<double>(n) * kEpsilon * theta.cwiseAbs().maxCoeff();
-  const Eigen::Index rank = (theta.array() > rounding).count();
-  *basis = solver.eigenvectors().rightCols(rank);
-  return true;
-}
-
 // Finds `count` eigenvectors of largest theta beside those found.
 LargestEigenpairs FurtherPairs(const InverseOperator& inverse,
                                const Matrix& found, int count, double tolerance,
@@ -118,25 +90,23 @@ class LowestModes {
   LowestModes(const SparseMatrix& mass, const SparseMatrix& stiffness,
               const std::vector<int>& held, int num_modes,
               std::unique_ptr<ShiftedFactors> factors)
-      : mass_(mass),
-        stiffness_(stiffness),
-        held_(held),
-        num_modes_(num_modes),
-        factors_(std::move(factors)) {}
+      : model_(mass, stiffness, held, std::move(factors)),
+        num_modes_(num_modes) {}
 
   bool Compute(SparseModes* modes, std::string* error) {
-    const int n = static_cast<int>(mass_.rows());
-    Vector mass_diagonal = mass_.diagonal();
-    for (const int dof : held_) mass_diagonal[dof] = 0.0;
+    const int n = static_cast<int>(model_.mass().rows());
+    Vector mass_diagonal = model_.mass().diagonal();
+    for (const int dof : model_.held()) mass_diagonal[dof] = 0.0;
     const int with_mass =
         static_cast<int>((mass_diagonal.array() > 0.0).count());
     if (with_mass == 0) {
-      *error = held_.empty() ? "the mass matrix is zero, expected some mass"
-                             : "no DOF with mass is left to move, expected one";
+      *error = model_.held().empty()
+                   ? "the mass matrix is zero, expected some mass"
+                   : "no DOF with mass is left to move, expected one";
       return false;
     }
-    dense_ = n <= kAlwaysDense || 4 * num_modes_ > with_mass;
-    if (dense_ && n > kLargestDense) {
+    bool dense = n <= kAlwaysDense || 4 * num_modes_ > with_mass;
+    if (dense && n > kLargestDense) {
       *error = std::to_string(num_modes_) + " modes are asked of " +
                std::to_string(with_mass) +
                " DOFs with mass, expected at most a quarter of them in a model "
@@ -144,163 +114,83 @@ class LowestModes {
                std::to_string(kLargestDense) + " DOFs";
       return false;
     }
-    if (!ChooseShift(error)) return false;
-    FindHeldDirections();
-    if (!Search(error)) return false;
-    Finish(modes);
+    if (!model_.ChooseShift(error)) return false;
+    // Each step of an iteration by factors of 32 digits takes long.
+    dense = dense || model_.factors().IsDoubled();
+    is_held_ = model_.shift() == 0.0;
+    first_shift_ = model_.shift();
+    std::vector<CheckedMode> found;
+    if (dense ? !DenseModes(&model_, num_modes_, with_mass, &found, error)
+              : !Search(error) || !CheckAll(&found, error)) {
+      return false;
+    }
+    Finish(found, modes);
     return true;
   }
 
   // The factors of the positive definite K; nullptr if K is not.
-  std::unique_ptr<ShiftedFactors> TakeFactors() {
-    return shift_ == 0.0 ? std::move(factors_) : nullptr;
-  }
+  std::unique_ptr<ShiftedFactors> TakeFactors() { return model_.TakeFactors(); }
 
  private:
   double Eigenvalue(Eigen::Index i) const {
-    return shift_ + 1.0 / pairs_.theta[i];
-  }
-
-  // Returns the parts that cancel in phi' K phi.
-  double Parts(const Vector& shape) const {
-    double parts = 0.0;
-    for (Eigen::Index j = 0; j < stiffness_.outerSize(); ++j) {
-      double column = 0.0;
-      for (SparseMatrix::InnerIterator entry(stiffness_, j); entry; ++entry) {
-        column += std::abs(entry.value() * shape[entry.row()]);
-      }
-      parts += column * std::abs(shape[j]);
-    }
-    return parts;
-  }
-
-  // Unit forces on the held DOFs, n x held DOFs.
-  Matrix ForcesOnHeld() const {
-    Matrix forces =
-        Matrix::Zero(mass_.rows(), static_cast<Eigen::Index>(held_.size()));
-    for (size_t i = 0; i < held_.size(); ++i) {
-      forces(held_[i], static_cast<Eigen::Index>(i)) = 1.0;
-    }
-    return forces;
-  }
-
-  void FindHeldDirections() {
-    held_directions_.resize(mass_.rows(), 0);
-    if (held_.empty()) return;
-    const Eigen::HouseholderQR<Matrix> qr(factors_->FromForce(ForcesOnHeld()));
-    held_directions_ =
-        qr.householderQ() *
-        Matrix::Identity(mass_.rows(), static_cast<Eigen::Index>(held_.size()));
-  }
-
-  // Returns the rounding error of eigenvalue i, whose shape has phi' M phi = 1.
-  // A smaller eigenvalue cannot be distinguished from zero.
-  double Rounding(Eigen::Index i, const Vector& shape) const {
-    return std::max(1e-12 * Parts(shape),
-                    (error_bounds_[i] + 8.0 * kEpsilon) * std::abs(shift_));
+    return model_.shift() + 1.0 / pairs_.theta[i];
   }
 
   bool IsRigid(Eigen::Index i) const {
-    Vector shape = factors_->ToShape(pairs_.vectors.col(i));
-    shape /= std::sqrt(shape.dot(mass_ * shape));
-    return std::abs(Eigenvalue(i)) <= Rounding(i, shape);
-  }
-
-  // Returns true if K - shift M is positive definite beyond rounding.
-  bool IsDefinite(double shift) {
-    factors_ = std::make_unique<ShiftedFactors>();
-    return factors_->FactoriseDefinite(mass_, stiffness_, shift);
-  }
-
-  bool ChooseShift(std::string* error) {
-    shift_ = 0.0;
-    if (factors_ != nullptr || IsDefinite(0.0)) return true;
-    // Finds a shift below the lowest eigenvalue. It starts from a thousandth of
-    // the frequency at which the softest DOF would vibrate alone.
-    const Vector k = stiffness_.diagonal();
-    const Vector m = mass_.diagonal();
-    unit_ = std::numeric_limits<double>::infinity();
-    for (Eigen::Index i = 0; i < k.size(); ++i) {
-      if (m[i] > 0.0 && k[i] != 0.0) {
-        unit_ = std::min(unit_, std::abs(k[i]) / m[i]);
-      }
-    }
-    if (!std::isfinite(unit_)) unit_ = 1.0;
-    for (double factor = 1e-3; factor < 1e15; factor *= 10.0) {
-      shift_ = -factor * unit_;
-      if (IsDefinite(shift_)) return true;
-    }
-    *error =
-        "the stiffness matrix is singular or negative on motions without mass; "
-        "constrain or remove them";
-    const Eigen::Index weakest = factors_->WeakestDof();
-    if (weakest >= 0) {
-      *error += " (DOF " + std::to_string(weakest + 1) + " takes part in one)";
-    }
-    return false;
+    return ShiftedModel::IsRigid(model_.Check(pairs_, i), is_held_);
   }
 
   // Moves the shift nearer to the modes if its distance is much larger than
   // theirs. Returns true if it moved.
   bool RefineShift() {
-    if (shift_ == 0.0 || pairs_.theta.size() == 0) return false;
+    if (model_.shift() == 0.0 || pairs_.theta.size() == 0) return false;
     Eigen::Index last =
         std::min<Eigen::Index>(num_modes_, pairs_.theta.size()) - 1;
     while (last < pairs_.theta.size() && IsRigid(last)) ++last;
     if (last == pairs_.theta.size()) return false;
     const double span = Eigenvalue(last);
-    const double least = -1e-12 * unit_;
-    if (!(span > 0.0) || span > -0.01 * shift_ || shift_ >= least) return false;
-    const double previous = shift_;
-    shift_ = std::min(least, -span);
-    if (IsDefinite(shift_)) return true;
-    // So close to zero the factors are rounding. Keep the previous shift.
-    shift_ = previous;
-    (void)IsDefinite(shift_);
-    return false;
+    const double least = -1e-12 * model_.unit();
+    if (!(span > 0.0) || span > -0.01 * model_.shift() ||
+        model_.shift() >= least) {
+      return false;
+    }
+    // So close to zero the factors may be rounding. Then the shift stays.
+    return model_.MoveTo(std::min(least, -span));
   }
 
   // Finds pairs until the count of eigenvalues below a bound agrees.
   bool Search(std::string* error) {
-    const Matrix none(mass_.rows(), 0);
+    const Matrix none(model_.mass().rows(), 0);
     Matrix basis = none;
     int wanted = num_modes_ + 2;
     for (int round = 0; round < 12; ++round) {
-      const InverseOperator inverse(*factors_, mass_, held_directions_);
-      if (dense_) {
-        if (!DenseInversePairs(inverse, &basis, error)) return false;
-        if (basis.cols() > wanted) basis = Matrix(basis.rightCols(wanted));
-      } else {
-        const int missing = wanted - static_cast<int>(basis.cols());
-        const Matrix further =
-            FurtherPairs(inverse, basis, std::max(missing, 2), 1e-10,
-                         static_cast<unsigned>(round + 1))
-                .vectors;
-        Matrix both(basis.rows(), basis.cols() + further.cols());
-        both << basis, further;
-        basis.swap(both);
-      }
+      const InverseOperator inverse(model_.factors(), model_.mass(),
+                                    model_.held_directions());
+      const int missing = wanted - static_cast<int>(basis.cols());
+      const Matrix further =
+          FurtherPairs(inverse, basis, std::max(missing, 2), 1e-10,
+                       static_cast<unsigned>(round + 1))
+              .vectors;
+      Matrix both(basis.rows(), basis.cols() + further.cols());
+      both << basis, further;
+      basis.swap(both);
       if (basis.cols() == 0) {
         *error = "no mode was found: the Lanczos iteration did not converge";
         return false;
       }
-      if (!RayleighRitz(inverse, basis, &pairs_, &error_bounds_, error)) {
+      if (!RayleighRitz(inverse, basis, &pairs_, &residuals_, error)) {
         return false;
       }
-      const Eigen::Index computed = basis.cols();
       DropUnconverged();
       basis = pairs_.vectors;
-      const bool complete =
-          dense_ && computed < wanted && basis.cols() == computed;
       if (RefineShift()) {
         basis = none;
         continue;
       }
-      if (!complete && pairs_.theta.size() < num_modes_ + 1) {
-        if (dense_) break;
+      if (pairs_.theta.size() < num_modes_ + 1) {
         continue;  // those not converged, or still missing
       }
-      const CountResult result = CheckCount(complete);
+      const CountResult result = CheckCount();
       if (result == CountResult::kComplete) return true;
       if (result == CountResult::kCannotCount) {
         *error =
@@ -309,10 +199,6 @@ class LowestModes {
         return false;
       }
       wanted = static_cast<int>(basis.cols()) + 4;
-      if (dense_ && complete) {
-        *error = "modes are missing that the dense solver should have found";
-        return false;
-      }
     }
     *error =
         "only " + std::to_string(pairs_.theta.size()) +
@@ -325,43 +211,55 @@ class LowestModes {
   void DropUnconverged() {
     Eigen::Index good = 0;
     while (good < pairs_.theta.size() &&
-           error_bounds_[good] <= kLargestErrorBound) {
+           residuals_[good] <= kLargestErrorBound) {
       ++good;
     }
     pairs_.theta.conservativeResize(good);
     pairs_.vectors.conservativeResize(Eigen::NoChange, good);
-    error_bounds_.conservativeResize(good);
+    residuals_.conservativeResize(good);
+  }
+
+  // Checks the modes against the matrices, whose factors are rounded.
+  bool CheckAll(std::vector<CheckedMode>* modes, std::string* error) const {
+    for (Eigen::Index i = 0; i < num_modes_ && i < pairs_.theta.size(); ++i) {
+      CheckedMode mode = model_.Check(pairs_, i);
+      if (!(mode.bound <= kLargestErrorBound) &&
+          !ShiftedModel::IsRigid(mode, is_held_)) {
+        *error = "mode " + std::to_string(i + 1) + " has a stiffness of " +
+                 FormatNumber(mode.eigenvalue / mode.parts, 1) +
+                 " of the terms that cancel in it, which 16 digits do not "
+                 "resolve to 1e-8; soften the stiffest links";
+        return false;
+      }
+      modes->push_back(std::move(mode));
+    }
+    return true;
   }
 
   enum class CountResult { kComplete, kMissing, kCannotCount };
 
-  // Counts the eigenvalues below a gap behind the last wanted mode. `complete`:
-  // there are no other modes than those found.
-  CountResult CheckCount(bool complete) {
+  // Counts the eigenvalues below a gap behind the last wanted mode.
+  CountResult CheckCount() {
     const Eigen::Index found = pairs_.theta.size();
     const Eigen::Index last = std::min<Eigen::Index>(num_modes_, found);
-    for (Eigen::Index below = last; below <= found; ++below) {
+    for (Eigen::Index below = last; below < found; ++below) {
       const double low = Eigenvalue(below - 1);
-      double high = 0.0;
-      if (below < found) {
-        high = Eigenvalue(below);
-      } else if (complete) {
-        high = low + std::max(std::abs(low), low - shift_);
-      } else {
-        break;
-      }
-      if (!(high - low > kClusterWidth * (high - shift_))) continue;
+      const double high = Eigenvalue(below);
+      if (!(high - low > kClusterWidth * (high - model_.shift()))) continue;
       // Rigid-body modes form a cluster, whatever their rounded values are.
-      if (below < found && IsRigid(below)) continue;
-      if (factors_->Operations() > kMostOperationsOfCount) {
-        return SearchMissed(1.0 / (0.5 * (low + high) - shift_));
+      if (IsRigid(below)) continue;
+      const double between = 1.0 / (0.5 * (low + high) - model_.shift());
+      if (model_.factors().Operations() > kMostOperationsOfCount) {
+        return SearchMissed(between);
       }
       for (const double part : {0.5, 0.4, 0.6, 0.25, 0.75}) {
         Eigen::Index count = 0;
         if (!CountBelow(low + part * (high - low), &count)) continue;
         return count == below ? CountResult::kComplete : CountResult::kMissing;
       }
-      return CountResult::kCannotCount;
+      // The factors of an indefinite matrix are not pivoted, and stiff links
+      // leave none of their digits.
+      return SearchMissed(between);
     }
     return CountResult::kMissing;  // all that was found is one cluster
   }
@@ -374,24 +272,26 @@ class LowestModes {
   // partitioned Hermitian matrix, Linear Algebra and its Applications 1, 1968).
   bool CountBelow(double bound, Eigen::Index* count) const {
     ShiftedFactors factors;
-    if (!factors.Factorise(mass_, stiffness_, bound) ||
-        !(factors.SolveError(mass_, stiffness_, bound) < 1e-6)) {
+    if (!factors.Factorise(model_.mass(), model_.stiffness(), bound) ||
+        !(factors.SolveError(model_.mass(), model_.stiffness(), bound) <
+          1e-6)) {
       return false;
     }
     *count = factors.NumNegative();
-    if (held_.empty()) return true;
-    const Matrix forces = ForcesOnHeld();
+    if (model_.held().empty()) return true;
+    const Matrix forces = model_.ForcesOnHeld();
     const Matrix flexibility = forces.transpose() * factors.Solve(forces);
     const Eigen::SelfAdjointEigenSolver<Matrix> solver(
         0.5 * (flexibility + flexibility.transpose()), Eigen::EigenvaluesOnly);
     *count += (solver.eigenvalues().array() > 0.0).count() -
-              static_cast<Eigen::Index>(held_.size());
+              static_cast<Eigen::Index>(model_.held().size());
     return true;
   }
 
   // Searches for a theta above `bound` beside the pairs that were found.
   CountResult SearchMissed(double bound) const {
-    const InverseOperator inverse(*factors_, mass_, held_directions_);
+    const InverseOperator inverse(model_.factors(), model_.mass(),
+                                  model_.held_directions());
     const LargestEigenpairs rest = FurtherPairs(
         inverse, pairs_.vectors, 1, kToleranceOfSearch, kSeedOfSearch);
     if (rest.values.size() == 0) return CountResult::kComplete;
@@ -400,36 +300,33 @@ class LowestModes {
                                                    : CountResult::kCannotCount;
   }
 
-  void Finish(SparseModes* modes) const {
+  void Finish(const std::vector<CheckedMode>& found, SparseModes* modes) const {
     SparseModes result;
-    const int count =
-        std::min(num_modes_, static_cast<int>(pairs_.theta.size()));
+    const int count = static_cast<int>(found.size());
     if (count < num_modes_) {
       result.notes.push_back("the model has " + std::to_string(count) +
                              " modes, " + std::to_string(num_modes_) +
                              " were asked for");
     }
-    result.shift = shift_;
+    result.shift = first_shift_;
     result.eigenvalues.resize(count);
     result.frequency_hz.resize(count);
-    result.mode_shapes.resize(mass_.rows(), count);
-    result.error_bounds = error_bounds_.head(count);
+    result.mode_shapes.resize(model_.mass().rows(), count);
+    result.error_bounds.resize(count);
     int on_last_digits = 0;
+    int perhaps_soft = 0;
     for (int i = 0; i < count; ++i) {
-      Vector shape = factors_->ToShape(pairs_.vectors.col(i));
-      for (const int dof : held_) shape[dof] = 0.0;
-      shape /= std::sqrt(shape.dot(mass_ * shape));
-      Eigen::Index largest = 0;
-      shape.cwiseAbs().maxCoeff(&largest);
-      if (shape[largest] < 0.0) shape = -shape;
-      double eigenvalue = Eigenvalue(i);
-      const double digits = kLastDigits * Parts(shape);
-      const bool rigid = std::abs(eigenvalue) <= Rounding(i, shape);
-      const bool on_digits = !rigid && std::abs(eigenvalue) <= digits;
+      const CheckedMode& mode = found[static_cast<size_t>(i)];
+      double eigenvalue = mode.eigenvalue;
+      const bool rigid = ShiftedModel::IsRigid(mode, is_held_);
+      const bool on_digits =
+          !rigid && std::abs(eigenvalue) <= kLastDigits * mode.parts;
       if (on_digits) ++on_last_digits;
       // The last digits of a file cannot show a negative stiffness either. A
       // small positive one may belong to a slender beam with many elements.
-      if (rigid || (on_digits && eigenvalue < 0.0)) {
+      const bool is_zero = rigid || (on_digits && eigenvalue < 0.0);
+      if (is_zero) {
+        if (eigenvalue > kRigidIfHeld * mode.parts) ++perhaps_soft;
         eigenvalue = 0.0;
         ++result.num_rigid_body_modes;
       }
@@ -437,12 +334,20 @@ class LowestModes {
       result.frequency_hz[i] = eigenvalue < 0.0
                                    ? std::numeric_limits<double>::quiet_NaN()
                                    : std::sqrt(eigenvalue) / kTwoPi;
-      result.mode_shapes.col(i) = shape;
+      result.mode_shapes.col(i) = mode.shape;
+      result.error_bounds[i] = is_zero ? 0.0 : mode.bound;
     }
     if (result.num_rigid_body_modes > 0) {
       result.notes.push_back(std::to_string(result.num_rigid_body_modes) +
                              " rigid-body modes at 0 Hz: nothing holds the "
                              "structure there");
+    }
+    if (perhaps_soft > 0) {
+      result.notes.push_back(
+          std::to_string(perhaps_soft) +
+          " of the modes at 0 Hz have a stiffness of 1e-14 to 1e-12 of the "
+          "terms that cancel in it: rounding of a file, or soft modes beside "
+          "stiff links. Soften the links to see which");
     }
     if (on_last_digits > 0) {
       result.notes.push_back(
@@ -454,17 +359,12 @@ class LowestModes {
     *modes = std::move(result);
   }
 
-  const SparseMatrix& mass_;
-  const SparseMatrix& stiffness_;
-  const std::vector<int>& held_;
+  ShiftedModel model_;
   const int num_modes_;
-  bool dense_ = false;
-  double shift_ = 0.0;
-  double unit_ = 1.0;
-  std::unique_ptr<ShiftedFactors> factors_;
-  Matrix held_directions_;  // n x held DOFs, see InverseOperator
+  bool is_held_ = false;  // K is positive definite
+  double first_shift_ = 0.0;
   InversePairs pairs_;
-  Vector error_bounds_;
+  Vector residuals_;  // of the pairs, in parts of theta
 };
 
 }  // namespace

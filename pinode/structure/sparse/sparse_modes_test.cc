@@ -16,6 +16,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -435,6 +436,82 @@ TEST(ComputeLowestModes, AgreesWithTheDenseSolverOnEverythingAskedFor) {
                 1.0 - 1e-10);
     }
   }
+}
+
+// A chain whose springs are powers of two from 1 to 2^40 and whose masses are
+// powers of two from 2^-13 to 2^13, two DOFs without mass.
+void WideChain(bool held, SparseMatrix* mass, SparseMatrix* stiffness) {
+  const int springs[] = {0, 40, 3, 27, 10, 33, 0, 38, 20, 1, 30, 14};
+  const int masses[] = {0, 13, -7, 5, 99, -13, 2, 9, -3, 99, 11, 1};
+  Triplets triplets;
+  Vector diagonal(12);
+  for (int i = 0; i < 12; ++i) {
+    if (i > 0) AddSpring(i - 1, i, std::ldexp(1.0, springs[i]), &triplets);
+    diagonal[i] = masses[i] == 99 ? 0.0 : std::ldexp(1.0, masses[i]);
+  }
+  if (held) AddSpring(0, -1, 1.0, &triplets);
+  *mass = DiagonalMatrix(diagonal);
+  *stiffness = FromTriplets(12, triplets);
+}
+
+// Frequencies over eight decades, all from one model. The eigenvalues are those
+// of mpmath with 60 digits (eigsy of the statically condensed matrix).
+TEST(ComputeLowestModes, FindsAllModesOfAWideSpectrum) {
+  const std::vector<double> expected[] = {
+      {8.365274042136099e-5, 3.855342053837848e-4, 6.328921326798046e-3,
+       2.822364328585997e-1, 8.200000000952743e+3, 8.390656118232143e+6,
+       8.39683096097356e+6, 1.718406451175788e+10, 6.925634766412595e+10,
+       1.099645845505e+12},
+      {0.0, 3.480553829407785e-4, 6.328372733644286e-3, 2.822360576014604e-1,
+       8.200000000952743e+3, 8.390656118232143e+6, 8.39683096097356e+6,
+       1.718406451175788e+10, 6.925634766412595e+10, 1.099645845504e+12}};
+  for (const bool held : {true, false}) {
+    SparseMatrix mass, stiffness;
+    WideChain(held, &mass, &stiffness);
+    for (const int count : {1, 4, 12}) {
+      SCOPED_TRACE(count);
+      const SparseModes modes = ComputeOrFail(mass, stiffness, count);
+      std::vector<double> lowest = expected[held ? 0 : 1];
+      lowest.resize(std::min<size_t>(10, static_cast<size_t>(count)));
+      ExpectEigenvalues(modes, lowest, 1e-11);
+      EXPECT_EQ(modes.num_rigid_body_modes, held ? 0 : 1);
+      const Matrix gram =
+          modes.mode_shapes.transpose() * (mass * modes.mode_shapes);
+      EXPECT_LT((gram - Matrix::Identity(gram.rows(), gram.cols()))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-9);
+    }
+  }
+}
+
+// Two masses of a held pair differ by 1e-12 of the link's stiffness, which the
+// factors of 16 digits had wrong by 1e-5. The closed form is that of two DOFs.
+TEST(ComputeLowestModes, SoftSpringBesideAStiffLink) {
+  const double link = std::ldexp(1.0, 38);
+  Triplets triplets;
+  AddSpring(0, -1, 1.0, &triplets);
+  AddSpring(0, 1, link, &triplets);
+  const SparseModes modes = ComputeOrFail(DiagonalMatrix(Vector::Ones(2)),
+                                          FromTriplets(2, triplets), 2);
+  const double sum = 1.0 + 2.0 * link;
+  const double high = 0.5 * (sum + std::sqrt(sum * sum - 4.0 * link));
+  ExpectEigenvalues(modes, {link / high, high}, 1e-14);
+  EXPECT_EQ(modes.num_rigid_body_modes, 0);
+}
+
+// A model that nothing holds, with a mode that is softer than the digits of a
+// file: it is not called a rigid body without a word.
+TEST(ComputeLowestModes, NotesASoftModeThatMayBeRounding) {
+  const double link = std::ldexp(1.0, 42);
+  Triplets triplets;
+  AddSpring(0, 1, link, &triplets);
+  AddSpring(1, 2, 1.0, &triplets);
+  AddSpring(2, 3, link, &triplets);
+  const SparseModes modes = ComputeOrFail(DiagonalMatrix(Vector::Ones(4)),
+                                          FromTriplets(4, triplets), 4);
+  EXPECT_EQ(modes.num_rigid_body_modes, 2);
+  EXPECT_THAT(modes.notes, Contains(HasSubstr("1 of the modes at 0 Hz")));
 }
 
 TEST(ComputeLowestModes, RefusesAQuarterOfAllModesOfALargeModel) {
