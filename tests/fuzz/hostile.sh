@@ -50,6 +50,17 @@ awk 'BEGIN {
   }
 }' >record.csv
 printf 'u1,u2,u3\n0.4,0.8,1\n' >shapes.csv
+# The accelerance of an oscillator of 2.6 Hz at 80 lines.
+awk 'BEGIN {
+  print "Frequency\tReal\tImaginary"
+  for (k = 1; k <= 80; ++k) {
+    r = k * 0.25 / 2.6
+    re = 1 - r * r
+    im = 0.04 * r
+    size = 0.0005 * r * r / (re * re + im * im)
+    printf "%.2f\t%.9g\t%.9g\n", 0.25 * k, -size * re, size * im
+  }
+}' >frf.txt
 header='%%MatrixMarket matrix coordinate real symmetric'
 printf '%s\n4 4 4\n1 1 2\n2 2 2\n3 3 2\n4 4 1\n' "$header" >M.mtx
 for first in 2000 2100; do

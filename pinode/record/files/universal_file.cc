@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -124,6 +125,13 @@ bool UniversalFile::AxesAt(const UniversalNode& node,
 }
 
 std::string UniversalPlace(int node, int direction) {
+  // Direction 0 is a scalar. Files with others than the six of the format
+  // exist.
+  const auto size = static_cast<size_t>(std::abs(direction));
+  if (size == 0) return std::to_string(node);
+  if (size > std::size(kDirections)) {
+    return std::to_string(node) + ":" + std::to_string(direction);
+  }
   return std::to_string(node) + ":" + (direction < 0 ? "-" : "") +
          kDirections[std::abs(direction) - 1];
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "pinode/base/strings.h"
 
@@ -55,9 +56,9 @@ bool SameLines(const Vector& a, const Vector& b) {
 bool Check(const FrequencyResponse& one, const FrequencyResponse& first,
            std::string* what) {
   if (one.values.size() != one.frequencies_hz.size() || one.values.size() < 2 ||
-      !IsAscending(one.frequencies_hz)) {
+      !IsAscending(one.frequencies_hz) || !one.frequencies_hz.allFinite()) {
     *what = "its frequencies do not ascend, expected lines in Hz from 0 on";
-  } else if (!one.values.allFinite()) {
+  } else if (!one.values.allFinite() || !one.coherence.allFinite()) {
     *what = "a value is missing or infinite; leave its line out";
   } else if (!SameLines(first.frequencies_hz, one.frequencies_hz)) {
     *what = "its lines are not those of " + first.file +
@@ -133,6 +134,33 @@ bool AssembleFrequencyResponses(const std::vector<FrequencyResponse>& single,
   result.decay_rate = first.decay_rate;
   result.frequencies_hz = first.frequencies_hz;
   const Eigen::Index pairs = result.num_responses() * result.num_references();
+  std::set<Eigen::Index> present;
+  for (size_t i = 0; i < single.size(); ++i) {
+    const FrequencyResponse& one = single[i];
+    if (!present.insert(result.Pair(places[i].response, places[i].reference))
+             .second) {
+      *error = one.file + ": response '" + one.response + "' to reference '" +
+               one.reference +
+               "' occurs twice; leave one out, or give it as another set-up";
+      return false;
+    }
+  }
+  // Before the matrices, which many places without their pairs make huge.
+  Eigen::Index complete = 0;
+  while (present.count(complete) > 0) ++complete;
+  if (complete < pairs) {
+    const auto name = [](const std::vector<std::string>& names,
+                         Eigen::Index i) {
+      return names[static_cast<size_t>(i)];
+    };
+    *error = first.file + ": the response '" +
+             name(result.responses, complete % result.num_responses()) +
+             "' to reference '" +
+             name(result.references, complete / result.num_responses()) +
+             "' is missing, expected each response to each reference; give "
+             "complete sets as set-ups of their own";
+    return false;
+  }
   result.values = ComplexMatrix::Zero(result.num_lines(), pairs);
   if (has_coherence) result.coherence = Matrix::Ones(result.num_lines(), pairs);
   result.files.assign(static_cast<size_t>(pairs), -1);
@@ -140,33 +168,13 @@ bool AssembleFrequencyResponses(const std::vector<FrequencyResponse>& single,
     const FrequencyResponse& one = single[i];
     const Eigen::Index pair =
         result.Pair(places[i].response, places[i].reference);
-    int& file = result.files[static_cast<size_t>(pair)];
-    if (file >= 0) {
-      *error = one.file + ": response '" + one.response + "' to reference '" +
-               one.reference +
-               "' occurs twice; leave one out, or give it as another set-up";
-      return false;
-    }
-    file = static_cast<int>(AddPlace(one.file, &files));
+    result.files[static_cast<size_t>(pair)] =
+        static_cast<int>(AddPlace(one.file, &files));
     result.values.col(pair) = places[i].sign * one.values;
     if (has_coherence) result.coherence.col(pair) = one.coherence;
   }
   if (has_coherence) {
     result.variances = VariancesOfCoherence(result.values, result.coherence);
-  }
-  for (Eigen::Index j = 0; j < pairs; ++j) {
-    if (result.files[static_cast<size_t>(j)] >= 0) continue;
-    const auto name = [](const std::vector<std::string>& names,
-                         Eigen::Index i) {
-      return names[static_cast<size_t>(i)];
-    };
-    *error = first.file + ": the response '" +
-             name(result.responses, j % result.num_responses()) +
-             "' to reference '" +
-             name(result.references, j / result.num_responses()) +
-             "' is missing, expected each response to each reference; give "
-             "complete sets as set-ups of their own";
-    return false;
   }
   *all = std::move(result);
   return true;

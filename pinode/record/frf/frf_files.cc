@@ -123,45 +123,6 @@ bool SamePair(const UniversalFunction& a, const UniversalFunction& b) {
          a.size() == b.size();
 }
 
-bool ReadUniversalFrfs(const std::string& path,
-                       std::vector<FrequencyResponse>* all,
-                       std::string* error) {
-  UniversalFile file;
-  if (!ReadUniversalFile(path, &file, error)) return false;
-  int number = 0;
-  for (const UniversalFunction& f : file.functions) {
-    ++number;
-    if (f.function_type != kFrf) continue;
-    std::string what;
-    FrequencyResponse one;
-    one.file = path;
-    one.derivative = DerivativeOf(f, &what);
-    if (what.empty() && !f.is_complex) {
-      what = "has real values only, expected complex ones";
-    }
-    if (!what.empty()) {
-      *error = path + ": function " + std::to_string(number) + " " + what;
-      return false;
-    }
-    one.response = ResponseOf(f);
-    one.reference = ReferenceOf(f);
-    one.frequencies_hz = LinesOf(f);
-    one.values = f.values;
-    one.decay_rate = DecayRateOf(f);
-    for (const UniversalFunction& other : file.functions) {
-      if (other.function_type == kCoherence && SamePair(f, other)) {
-        one.coherence = other.values.real();
-      }
-    }
-    all->push_back(std::move(one));
-  }
-  if (!all->empty()) return true;
-  *error = path +
-           ": holds no frequency response function (data set 58, function "
-           "type 4); export FRFs, or give time histories as a record";
-  return false;
-}
-
 // Splits a line at tabs, semicolons or commas, else at blanks.
 std::vector<std::string_view> Cells(std::string_view line) {
   for (const char separator : {'\t', ';', ','}) {
@@ -264,6 +225,9 @@ class FrfTextReader {
       return true;
     }
     names_.assign(cells.begin(), cells.end());
+    // A second header replaces the first.
+    real_ = imaginary_ = magnitude_ = phase_ = coherence_ = 0;
+    needed_ = 1;
     for (size_t c = 1; c < names_.size(); ++c) {
       const std::string& name = names_[c];
       const auto has = [&name](const char* text) {
@@ -369,12 +333,57 @@ bool ParseFrfText(const std::string& text, const std::string& path,
   return FrfTextReader(path, response, remarks, error).Read(text);
 }
 
+bool FrfsOfUniversalFile(const UniversalFile& file, const std::string& path,
+                         std::vector<FrequencyResponse>* all,
+                         std::string* error) {
+  int number = 0;
+  std::vector<FrequencyResponse> found;
+  for (const UniversalFunction& f : file.functions) {
+    ++number;
+    if (f.function_type != kFrf) continue;
+    std::string what;
+    FrequencyResponse one;
+    one.file = path;
+    one.derivative = DerivativeOf(f, &what);
+    if (what.empty() && !f.is_complex) {
+      what = "has real values only, expected complex ones";
+    }
+    if (!what.empty()) {
+      *error = path + ": function " + std::to_string(number) + " " + what;
+      return false;
+    }
+    one.response = ResponseOf(f);
+    one.reference = ReferenceOf(f);
+    one.frequencies_hz = LinesOf(f);
+    one.values = f.values;
+    one.decay_rate = DecayRateOf(f);
+    for (const UniversalFunction& other : file.functions) {
+      if (other.function_type == kCoherence && SamePair(f, other)) {
+        one.coherence = other.values.real();
+      }
+    }
+    found.push_back(std::move(one));
+  }
+  if (found.empty()) {
+    *error = path +
+             ": holds no frequency response function (data set 58, function "
+             "type 4); export FRFs, or give time histories as a record";
+    return false;
+  }
+  for (FrequencyResponse& one : found) all->push_back(std::move(one));
+  return true;
+}
+
 bool ReadFrfFile(const std::string& path, const FrfFileOptions& options,
                  std::vector<FrequencyResponse>* all,
                  std::vector<std::string>* remarks, std::string* error) {
   std::vector<FrequencyResponse> found;
   if (IsUniversalFile(WithoutGz(path))) {
-    if (!ReadUniversalFrfs(path, &found, error)) return false;
+    UniversalFile file;
+    if (!ReadUniversalFile(path, &file, error) ||
+        !FrfsOfUniversalFile(file, path, &found, error)) {
+      return false;
+    }
   } else {
     std::string text;
     found.emplace_back();

@@ -10,6 +10,8 @@
 
 namespace pinode {
 
+struct UniversalFile;
+
 // Facts about a file that it may not state itself.
 struct FrfFileOptions {
   // Places for each FRF in their order, one for all, or empty: as the file has
@@ -52,6 +54,12 @@ std::string FormatFrfFile(const FrequencyResponses& all,
                                 FrequencyResponse* response,
                                 std::vector<std::string>* remarks,
                                 std::string* error);
+
+// Returns the FRFs of a universal file in memory. `path` is for messages.
+[[nodiscard]] bool FrfsOfUniversalFile(const UniversalFile& file,
+                                       const std::string& path,
+                                       std::vector<FrequencyResponse>* all,
+                                       std::string* error);
 
 }  // namespace pinode
 

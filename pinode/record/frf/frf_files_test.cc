@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,32 @@ TEST(FrequencyResponsesTest, SignsOfPlacesAreSignsOfFunctions) {
   EXPECT_EQ(all.values(0, 1), Complex(1.0, 2.0));
 }
 
+// 2000 places that each have one function: a complete set would take 190 MB.
+TEST(FrequencyResponsesTest, ManyPlacesWithoutTheirPairsTakeNoMemory) {
+  std::vector<FrequencyResponse> single;
+  for (int i = 0; i < 2000; ++i) {
+    single.push_back(Single("a" + std::to_string(i), "b" + std::to_string(i)));
+  }
+  FrequencyResponses all;
+  std::string error;
+  EXPECT_FALSE(AssembleFrequencyResponses(single, &all, &error));
+  EXPECT_THAT(error, HasSubstr("'a1' to reference 'b0' is missing"));
+}
+
+TEST(FrequencyResponsesTest, RefusesNumbersThatAreNone) {
+  FrequencyResponses all;
+  std::string error;
+  FrequencyResponse endless = Single("a", "b");
+  endless.frequencies_hz[endless.frequencies_hz.size() - 1] =
+      std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(AssembleFrequencyResponses({endless}, &all, &error));
+  FrequencyResponse unknown = Single("a", "b");
+  unknown.coherence = Vector::Ones(unknown.values.size());
+  unknown.coherence[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(AssembleFrequencyResponses({unknown}, &all, &error));
+  EXPECT_THAT(error, HasSubstr("missing or infinite"));
+}
+
 TEST(FrequencyResponsesTest, IncompleteSetsAreNamed) {
   FrequencyResponses all;
   std::string error;
@@ -199,6 +226,31 @@ TEST(FrequencyResponsesTest, IncompleteSetsAreNamed) {
 }
 
 // Written functions come back with places of any length, coherence and window.
+// A later header counts. Its fewer columns once left places of the first.
+TEST(FrfFilesTest, ASecondHeaderReplacesTheFirst) {
+  FrequencyResponse one;
+  std::string error;
+  ASSERT_TRUE(Parse("freq;name;magnitude;phase\nfreq;real;imag\n1;2;3\n2;4;5\n",
+                    &one, &error))
+      << error;
+  EXPECT_EQ(one.values[1], Complex(4.0, 5.0));
+  EXPECT_FALSE(
+      Parse("freq;name;magnitude;phase\nfreq;imag\n1;2;3;4\n", &one, &error));
+  EXPECT_THAT(error, HasSubstr("f.txt:2: the columns"));
+}
+
+// Scalars have direction 0, and some programs number more than six.
+TEST(FrfFilesTest, UniversalPlacesOfAnyDirection) {
+  UniversalFile file = Universal();
+  file.functions[0].response_direction = 0;
+  file.functions[0].reference_direction = -12;
+  std::vector<FrequencyResponse> all;
+  std::string error;
+  ASSERT_TRUE(ReadUniversal(file, &all, &error)) << error;
+  EXPECT_EQ(all[0].response, "3");
+  EXPECT_EQ(all[0].reference, "1:-12");
+}
+
 TEST(FrfFilesTest, WrittenFunctionsAreReadBack) {
   FrequencyResponses all;
   all.responses = {"12:-x", "deck_north_east_z"};
