@@ -16,6 +16,12 @@ namespace {
 using Eigen::Index;
 using Kind = Suspect::Kind;
 
+// Sampling rate behind the lines, in parts of the highest one, as analysers
+// have it.
+constexpr double kRateOfLines = 2.56;
+// Widest delay that is looked for, in steps of that rate.
+constexpr double kMostFrfDelay = 50.0;
+
 // Columns of a response, or of a reference.
 std::vector<Index> PairsOf(const FrfRecord& record, bool of_forces,
                            Index place) {
@@ -100,24 +106,38 @@ class FrfCatalogue {
       : problem_(problem), model_(model), most_(most) {}
 
   std::vector<Suspect> Make() {
-    AddGains();
+    AddSensors();
     for (size_t r = 0; r < problem_.frfs.size(); ++r) AddPlaces(r);
     return std::move(suspects_);
   }
 
  private:
-  // Gains that the problem has as unknowns are no suspects.
-  void AddGains() {
+  // Gains and delays that the problem has as unknowns are no suspects.
+  void AddSensors() {
     std::map<std::string, std::vector<std::pair<int, int>>> sensors;
     std::vector<std::pair<int, int>> all;
+    bool any_gain = false, any_delay = false;
+    double highest = 0.0;
     for (size_t r = 0; r < problem_.frfs.size(); ++r) {
       const FrfRecord& record = problem_.frfs[r];
+      highest = std::max(highest, record.frequencies.maxCoeff());
       for (size_t o = 0; o < record.responses.size(); ++o) {
-        if (!record.gains.empty() && record.gains[o] >= 0) return;
+        any_gain = any_gain || (!record.gains.empty() && record.gains[o] >= 0);
+        any_delay =
+            any_delay || (!record.delays.empty() && record.delays[o] >= 0);
         all.emplace_back(static_cast<int>(r), static_cast<int>(o));
         sensors[record.responses[o].name].push_back(all.back());
       }
     }
+    if (!any_gain) AddGains(sensors, all);
+    if (!any_delay && highest > 0.0) {
+      AddDelays(sensors, all, 1.0 / (kRateOfLines * highest));
+    }
+  }
+
+  void AddGains(
+      const std::map<std::string, std::vector<std::pair<int, int>>>& sensors,
+      const std::vector<std::pair<int, int>>& all) {
     Suspect& scale =
         Add(Kind::kExcitationScale, "",
             "all sensors by one factor (or the force by its inverse)");
@@ -130,6 +150,38 @@ class FrfCatalogue {
       Add(Kind::kSensorGain, name, "the gain of sensor '" + name + "'")
           .sensors = {GainOf(name, at)};
     }
+  }
+
+  void AddDelays(
+      const std::map<std::string, std::vector<std::pair<int, int>>>& sensors,
+      const std::vector<std::pair<int, int>>& all, double step) {
+    Suspect& late = Add(Kind::kExcitationDelay, "",
+                        "the clock of all sensors against the force");
+    late.sensors = {DelayOf("sensors", all, step)};
+    late.usual = step;
+    if (sensors.size() < 2) return;
+    for (const auto& [name, unused] : sensors) {
+      late.tied.push_back(DelayOf(name, {}, step).parameter.name);
+    }
+    for (const auto& [name, at] : sensors) {
+      Suspect& own =
+          Add(Kind::kSensorDelay, name, "the clock of sensor '" + name + "'");
+      own.sensors = {DelayOf(name, at, step)};
+      own.usual = step;
+    }
+  }
+
+  Suspect::SensorUnknown DelayOf(const std::string& name,
+                                 const std::vector<std::pair<int, int>>& at,
+                                 double step) const {
+    Suspect::SensorUnknown delay;
+    delay.role = &MeasuredChannel::delay;
+    delay.parameter.name = SuspectUnknown("delay.frf." + name);
+    delay.parameter.unit = problem_.description.units.time;
+    delay.parameter.lower = -kMostFrfDelay * step;
+    delay.parameter.upper = kMostFrfDelay * step;
+    delay.frf_responses = at;
+    return delay;
   }
 
   static Suspect::SensorUnknown GainOf(

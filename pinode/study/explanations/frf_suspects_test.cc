@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/estimate/frf/frf_transfer.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/structural_model.h"
 #include "tests/support/group_testing.h"
@@ -88,20 +89,61 @@ std::vector<std::string> PlacesOf(const std::vector<Suspect>& suspects) {
   return places;
 }
 
-TEST(FrfSuspects, OfGoodPlacesAreGainsAlone) {
+TEST(FrfSuspects, OfGoodPlacesAreGainsAndClocksAlone) {
   const IdentificationProblem problem = HammerTest();
   const std::vector<Suspect> found = Find(problem);
   EXPECT_THAT(PlacesOf(found), IsEmpty());
-  // All sensors together, and each.
-  EXPECT_EQ(found.size(), 5u);
+  // Gain and clock of all sensors together, and of each.
+  EXPECT_EQ(found.size(), 10u);
   for (const Suspect& suspect : found) {
     IdentificationProblem changed = problem;
     std::string error;
     ASSERT_TRUE(AddSuspects({suspect}, &changed, &error)) << error;
-    const std::vector<int>& gains = changed.frfs[0].gains;
-    EXPECT_EQ(std::count(gains.begin(), gains.end(), 0),
+    const bool late = suspect.kind == Suspect::Kind::kSensorDelay ||
+                      suspect.kind == Suspect::Kind::kExcitationDelay;
+    const FrfRecord& record = changed.frfs[0];
+    const std::vector<int>& unknowns = late ? record.delays : record.gains;
+    EXPECT_TRUE((late ? record.gains : record.delays).empty());
+    EXPECT_EQ(std::count(unknowns.begin(), unknowns.end(), 0),
               suspect.place.empty() ? 4 : 1);
     EXPECT_FALSE(AddSuspects({suspect}, &changed, &error));
+  }
+}
+
+// A sensor that is late by tau has exp(-i w tau) times its functions. With its
+// clock at tau the model has them too.
+TEST(FrfSuspects, ALateSensorIsDescribedByItsClock) {
+  constexpr double kLate = 0.004;
+  IdentificationProblem problem = HammerTest();
+  FrfRecord& measured = problem.frfs[0];
+  for (Eigen::Index k = 0; k < measured.num_lines(); ++k) {
+    const double angle = -kTwoPi * measured.frequencies[k] * kLate;
+    for (const Eigen::Index pair : {2, 6}) {
+      measured.values(k, pair) *= std::polar(1.0, angle);
+    }
+  }
+  const std::vector<Suspect> found = Find(problem);
+  const auto named =
+      std::find_if(found.begin(), found.end(), [](const Suspect& suspect) {
+        return suspect.what == "the clock of sensor 'u3'";
+      });
+  ASSERT_NE(named, found.end());
+  EXPECT_EQ(named->place, "u3");
+  std::string error;
+  ASSERT_TRUE(AddSuspects({*named}, &problem, &error)) << error;
+  Parameter& delay = problem.sensors.parameters.back();
+  EXPECT_LT(kLate, delay.upper);
+  delay.value = kLate;
+  const ParameterLayout layout(problem);
+  FrfTransfer transfer(problem.frfs[0], *problem.dynamics, layout);
+  ASSERT_TRUE(transfer.SetPoint(layout.Free(layout.InitialValues()), &error))
+      << error;
+  const FrfRecord& record = problem.frfs[0];
+  FrfTransfer::Line line;
+  for (Eigen::Index k = 0; k < record.num_lines(); ++k) {
+    transfer.Compute(k, /*with_slopes=*/false, &line);
+    EXPECT_LT((line.values - record.values.row(k).transpose()).norm(),
+              1e-9 * record.values.row(k).norm());
   }
 }
 
@@ -172,13 +214,17 @@ TEST(FrfSuspects, TurnsAreFoundAmongManySensors) {
               ElementsAre("sensor 's577' mounted upside down"));
 }
 
-TEST(FrfSuspects, OfFreeGainsAreNone) {
+TEST(FrfSuspects, OfFreeGainsAreClocksAlone) {
   IdentificationProblem problem = HammerTest();
   Parameter gain;
   gain.name = "gain.u1";
   gain.value = 1.0;
   problem.sensors.parameters.push_back(gain);
   problem.frfs[0].gains = {0, -1, -1, -1};
+  for (const Suspect& suspect : Find(problem)) {
+    EXPECT_EQ(suspect.what.rfind("the clock of ", 0), 0u) << suspect.what;
+  }
+  problem.frfs[0].delays = {-1, 0, -1, -1};
   EXPECT_THAT(Find(problem), IsEmpty());
 }
 

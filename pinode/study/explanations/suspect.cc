@@ -155,8 +155,11 @@ bool AddSuspects(const std::vector<Suspect>& suspects,
       }
       for (const auto& [set, response] : sensor.frf_responses) {
         FrfRecord& record = result.frfs[static_cast<size_t>(set)];
-        record.gains.resize(record.responses.size(), -1);
-        int& place = record.gains[static_cast<size_t>(response)];
+        std::vector<int>& unknowns = sensor.role == &MeasuredChannel::delay
+                                         ? record.delays
+                                         : record.gains;
+        unknowns.resize(record.responses.size(), -1);
+        int& place = unknowns[static_cast<size_t>(response)];
         if (place >= 0) {
           *error = "a sensor would have two unknowns of one kind";
           return false;

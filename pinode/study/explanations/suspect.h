@@ -38,7 +38,8 @@ struct Suspect {
     int MeasuredChannel::*role = &MeasuredChannel::gain;
     Parameter parameter;
     std::vector<std::pair<int, int>> channels;
-    // Responses of frequency responses (set-up, response) with this gain.
+    // Responses of frequency responses (set-up, response) with this gain or
+    // delay.
     std::vector<std::pair<int, int>> frf_responses;
   };
 
