@@ -9,6 +9,7 @@
 #include "pinode/base/units.h"
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/record/excitation.h"
+#include "pinode/structure/model/modal_mass.h"
 
 namespace pinode {
 namespace {
@@ -112,6 +113,35 @@ void PrintModel(const Case& c, const CaseCheck& check) {
             Rounded(100.0 * (hz / c.expected_hz[index] - 1.0), 2));
     }
     Print("\n");
+  }
+}
+
+// Prints how much of the moving mass each mode has, down to the mode with which
+// all but a thousandth is there.
+void PrintModalMasses(const CaseCheck& check) {
+  const std::vector<std::string>& directions = check.model.directions;
+  if (!check.no_modes.empty() || directions.empty()) return;
+  const Matrix shares =
+      EffectiveModalMasses(check.model, check.modes.mode_shapes).Shares();
+  Print("\nEffective modal mass, %% of the moving mass (sum so far)\nMode");
+  for (const std::string& direction : directions) {
+    Print("  %15s", direction.c_str());
+  }
+  Print("\n");
+  constexpr int kMostRows = 20;
+  Vector sum = Vector::Zero(shares.cols());
+  for (Eigen::Index i = 0; i < shares.rows() && i < kMostRows; ++i) {
+    sum += shares.row(i).transpose();
+    Print("%4d", static_cast<int>(i) + 1);
+    for (Eigen::Index d = 0; d < shares.cols(); ++d) {
+      if (std::isfinite(sum[d])) {
+        Print("  %6.2f (%6.2f)", 100.0 * shares(i, d), 100.0 * sum[d]);
+      } else {
+        Print("  %15s", "-");
+      }
+    }
+    Print("\n");
+    if (!(sum.array() < 0.999).any()) break;
   }
 }
 
@@ -335,6 +365,7 @@ void PrintCaseCheck(const Case& c, const CaseCheck& check) {
   }
   PrintFiniteElementModel(c);
   PrintModel(c, check);
+  PrintModalMasses(check);
   if (!c.problem.records.empty()) PrintRecords(c);
   PrintAmbientRecords(c);
   PrintFrequencyResponses(c);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "pinode/case/sections/finite_element_section.h"
 #include "pinode/case/text/json_table.h"
 #include "pinode/structure/matrices/matrix_io.h"
+#include "pinode/structure/model/modal_mass.h"
 #include "pinode/study/reduction/reduced_structure.h"
 
 namespace pinode {
@@ -33,11 +35,23 @@ double ExpectedHz(const std::vector<double>& expected, Eigen::Index mode) {
 
 Json Modes(const Case& c, const CaseCheck& check) {
   Json modes = Json::array();
+  if (check.modes.frequency_hz.size() == 0) return modes;
+  const std::vector<std::string>& directions = check.model.directions;
+  const ModalMasses masses =
+      EffectiveModalMasses(check.model, check.modes.mode_shapes);
+  const Matrix shares = masses.Shares();
   for (Eigen::Index i = 0; i < check.modes.frequency_hz.size(); ++i) {
-    modes.push_back({{"mode", i + 1},
-                     {"frequency_hz", ToHz(c) * check.modes.frequency_hz[i]},
-                     {"damping_ratio", check.modes.damping_ratio[i]},
-                     {"expected_hz", ExpectedHz(c.expected_hz, i)}});
+    Json mode = {{"mode", i + 1},
+                 {"frequency_hz", ToHz(c) * check.modes.frequency_hz[i]},
+                 {"damping_ratio", check.modes.damping_ratio[i]},
+                 {"expected_hz", ExpectedHz(c.expected_hz, i)}};
+    for (size_t d = 0; d < directions.size(); ++d) {
+      const auto column = static_cast<Eigen::Index>(d);
+      mode["participation_" + directions[d]] = masses.participation(i, column);
+      mode["effective_mass_" + directions[d]] = masses.effective(i, column);
+      mode["mass_share_" + directions[d]] = shares(i, column);
+    }
+    modes.push_back(std::move(mode));
   }
   return modes;
 }

@@ -113,7 +113,18 @@ TEST_F(CheckFilesTest, AModelAlone) {
   EXPECT_TRUE(json_["modes"][1]["expected_hz"].is_null());
   EXPECT_THAT(
       Content("modes.csv"),
-      StartsWith("mode,frequency_hz,damping_ratio,expected_hz\n1,1.59"));
+      StartsWith("mode,frequency_hz,damping_ratio,expected_hz,"
+                 "participation_x,effective_mass_x,mass_share_x\n1,1.59"));
+  // Gamma = phi' M r, and the effective masses of all modes are r' M r.
+  double sum = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    const OrderedJson& mode = json_["modes"][static_cast<size_t>(i)];
+    const double gamma = shapes.col(i).dot(mass * Vector::Ones(2));
+    EXPECT_NEAR(mode["participation_x"].get<double>(), gamma, 1e-12);
+    EXPECT_NEAR(mode["effective_mass_x"].get<double>(), gamma * gamma, 1e-12);
+    sum += mode["mass_share_x"].get<double>();
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
 }
 
 TEST_F(CheckFilesTest, MeasuredModesAndWhatTheyTell) {

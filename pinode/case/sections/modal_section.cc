@@ -163,6 +163,10 @@ class ModeReader {
           "frequency_shape_covariance",
           "'frequency_shape_covariance' needs 'shape_covariance'");
     }
+    const TomlValue* sigma = table_.Find("shape_sigma");
+    if (mode_->HasShape() && sigma != nullptr && sigma->IsTable()) {
+      return ReadEntrySigmas();
+    }
     if (mode_->HasShape()) {
       return ReadWeight("shape", 1.0, &mode_->shape_sigma,
                         &mode_->shape_weight);
@@ -176,6 +180,40 @@ class ModeReader {
                                     key + "'");
       }
     }
+    return true;
+  }
+
+  // Reads a standard deviation for each entry: a covariance without
+  // correlation.
+  bool ReadEntrySigmas() {
+    if (!RefuseKeys({"shape_weight"}, "'shape_sigma' alone")) return false;
+    const TomlTable sigmas =
+        table_.Table("shape_sigma", table_.name() + " shape_sigma");
+    const std::vector<int>& dofs = mode_->dofs;
+    Vector squares = Vector::Zero(static_cast<Eigen::Index>(dofs.size()));
+    for (const auto& entry : sigmas.entries()) {
+      int dof = -1;
+      if (!FindDof(model_, sigmas, entry.first, entry.first, false, &dof)) {
+        return false;
+      }
+      const auto place = std::find(dofs.begin(), dofs.end(), dof);
+      if (place == dofs.end()) {
+        return sigmas.Fail(entry.first, "'" + entry.first +
+                                            "' is not in 'shape', expected "
+                                            "its DOFs");
+      }
+      const double own = sigmas.PositiveNumber(entry.first, 1.0);
+      squares[place - dofs.begin()] = own * own;
+    }
+    if (!table_.errors()->ok()) return false;
+    for (size_t i = 0; i < dofs.size(); ++i) {
+      if (squares[static_cast<Eigen::Index>(i)] > 0.0) continue;
+      return table_.Fail("shape_sigma",
+                         "'shape_sigma' has no deviation of '" +
+                             model_.dof_names[static_cast<size_t>(dofs[i])] +
+                             "', expected one for each DOF of 'shape'");
+    }
+    mode_->shape_covariance = squares.asDiagonal();
     return true;
   }
 

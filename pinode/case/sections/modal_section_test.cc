@@ -82,6 +82,29 @@ TEST(ModalSection, CovarianceOfAShapeIsItsSigma) {
   EXPECT_THAT(singular.error, HasSubstr("positive definite"));
 }
 
+// Deviations of single entries are a covariance without correlation, in the
+// order of the shape, which is u2, u1 here.
+TEST(ModalSection, DeviationsOfSingleEntries) {
+  const auto read = [](const std::string& sigmas) {
+    return ReadText(Replaced(Modes(), "shape_sigma = 0.02", sigmas));
+  };
+  const ReadResult good = read("shape_sigma = {u1 = 0.05, u2 = 0.02}");
+  ASSERT_TRUE(good.ok) << good.error;
+  const MeasuredMode& mode = good.c.problem.modal.modes[0];
+  EXPECT_THAT(mode.dofs, ElementsAre(1, 0));
+  Matrix expected = Matrix::Zero(2, 2);
+  expected.diagonal() << 0.02 * 0.02, 0.05 * 0.05;
+  EXPECT_LT((mode.shape_covariance - expected).norm(), 1e-18);
+  EXPECT_THAT(read("shape_sigma = {u1 = 0.05}").error,
+              HasSubstr("no deviation of 'u2'"));
+  EXPECT_THAT(read("shape_sigma = {u1 = 0.05, u2 = 0}").error,
+              HasSubstr("'u2' is the number 0"));
+  EXPECT_THAT(read("shape_sigma = {u1 = 0.05, u9 = 1}").error, HasSubstr("u9"));
+  EXPECT_THAT(
+      read("shape_sigma = {u1 = 0.05, u2 = 0.02}\nshape_weight = 2").error,
+      HasSubstr("'shape_weight' is not used"));
+}
+
 // Covariance of frequency and shape, in Hz and the shape's unit.
 TEST(ModalSection, CovarianceOfFrequencyAndShape) {
   const std::string shape = "shape_covariance = [[4e-4, 0], [0, 4e-4]]\n";

@@ -345,9 +345,10 @@ CaseTable ModeKeys() {
            "1.0}`. A file has a column per DOF and a row per mode, empty where "
            "not measured."},
           {"shape_row", "whole number", "from 1", "1", "Row of the file."},
-          {"shape_sigma", "number", "the shape's unit", "none",
-           "Standard deviation of every entry (`eigenvector_difference`); "
-           "this, `shape_weight` or `shape_covariance`."},
+          {"shape_sigma", "number or table", "the shape's unit", "none",
+           "Standard deviation of every entry, or of each: `{u1 = 0.02, u3 = "
+           "0.05}` (`eigenvector_difference`); this, `shape_weight` or "
+           "`shape_covariance`."},
           {"shape_weight", "number", "", "1",
            "Weight of the shape's residuals, the largest entry being 1."},
           {"shape_covariance", "matrix", "", "none",

@@ -19,6 +19,7 @@
 #include "pinode/python/binding/fit.h"
 #include "pinode/python/binding/watch.h"
 #include "pinode/structure/model/modal_analysis.h"
+#include "pinode/structure/model/modal_mass.h"
 #include "pinode/study/reduction/reduced_structure.h"
 
 namespace pinode::python {
@@ -196,6 +197,11 @@ py::dict Modes(const CaseHandle& handle) {
   result["damping_ratios"] = FromVector(modes.damping_ratio);
   result["dofs"] = model.dof_names;
   result["shapes"] = FromMatrix(modes.mode_shapes);
+  const ModalMasses masses = EffectiveModalMasses(model, modes.mode_shapes);
+  result["directions"] = model.directions;
+  result["participation"] = FromMatrix(masses.participation);
+  result["effective_masses"] = FromMatrix(masses.effective);
+  result["moving_masses"] = FromVector(masses.moving);
   return result;
 }
 

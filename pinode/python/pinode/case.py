@@ -205,6 +205,10 @@ class Case:
         damping_ratios: fractions of critical.
         shapes: n x modes, mass-normalised.
         dofs: names of the rows of `shapes`.
+        directions: names of the directions of ground motion.
+        participation: modes x directions, phi' (M r + M_fs).
+        effective_masses: their squares, in units of mass.
+        moving_masses: sum of the effective masses of all modes, per direction.
         """
         return self._handle.modes()
 

@@ -27,6 +27,13 @@ def test_has_the_matrices_and_modes_of_its_model(healthy):
                                eigvals_only=True)
     modes = healthy.natural_modes()
     assert np.allclose(modes["frequencies_hz"], np.sqrt(values) / (2 * np.pi))
+    # Each direction's effective masses add up to the mass that moves in it.
+    loads = healthy.mass @ np.ones(3)
+    assert modes["directions"] == ["x"]
+    assert np.allclose(modes["participation"][:, 0], modes["shapes"].T @ loads)
+    assert np.allclose(modes["effective_masses"], modes["participation"]**2)
+    assert np.allclose(modes["effective_masses"].sum(axis=0), modes["moving_masses"])
+    assert np.allclose(modes["moving_masses"], healthy.mass.sum())
     with pytest.raises(ValueError):
         healthy.mass[0, 0] = 1.0  # of the case, which others look at
 
