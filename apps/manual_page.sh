@@ -34,6 +34,7 @@ beside the other documents of pinode.
 .BR pinode_discover (1),
 .BR pinode_damage (1),
 .BR pinode_modes (1),
+.BR pinode_watch (1),
 .BR pinode_app (1)
 END
 

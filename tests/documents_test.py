@@ -53,7 +53,7 @@ MOST_LONG = 0.05
 FENCE = re.compile(r"^ *```(\S*)")
 LINK = re.compile(r"(?<!\\)\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)")
 # Words before a program's name may be variables or a launcher.
-PROGRAM = re.compile(r"\b(pinode_(?:app|new|check|simulate|update|discover|damage|modes))((?:[ =][^`;|]*)?)")
+PROGRAM = re.compile(r"\b(pinode_(?:app|new|check|simulate|update|discover|damage|modes|watch))((?:[ =][^`;|]*)?)")
 FLAG = re.compile(r"(?<![\w-])--([a-z_]+)")
 
 

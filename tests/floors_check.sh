@@ -12,7 +12,8 @@
 # Includes of the project are written from its root, so that none escapes this
 # check. Third parties that have one
 # door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
-# MPI in pinode/mpi, pybind11 in pinode/python, httplib in pinode/app.
+# MPI in pinode/mpi, pybind11 in pinode/python, httplib in pinode/app, SQLite in
+# pinode/watch.
 #
 # Prints `file:line: what, and what was expected` for each violation and exits
 # 1 if there is one; exits 2 if there is nothing to check.
@@ -49,7 +50,8 @@ awk '
     floor["discover"] = floor["damage"] = 6
     floor["study"] = 7
     floor["case"] = floor["report"] = floor["mpi"] = 8
-    floor["app"] = floor["python"] = 9
+    floor["watch"] = 9
+    floor["app"] = floor["python"] = 10
     # Rooms of a folder, lowest first. A folder without an entry has none.
     rooms["base"] = ". arrays"
     rooms["structure"] = "model sparse matrices decks"
@@ -62,7 +64,7 @@ awk '
     rooms["python"] = "binding"
     # A fixed order, so that the message is the same everywhere.
     count = split("base structure record network dynamics modal integrate " \
-                  "problem estimate discover damage study case report mpi app python", folders, " ")
+                  "problem estimate discover damage study case report mpi watch app python", folders, " ")
   }
 
   function Fail(message) {
@@ -117,6 +119,9 @@ awk '
     }
     if (header == "httplib.h" && FILENAME !~ /^pinode\/app\//) {
       Fail("includes " header ", expected httplib in pinode/app only")
+    }
+    if (header == "sqlite3.h" && FILENAME !~ /^pinode\/watch\/store(_test)?\.cc$/) {
+      Fail("includes " header ", expected pinode/watch/store.h")
     }
     if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
       Fail("includes " header ", expected pinode/base/communicator.h")

@@ -60,8 +60,13 @@ Completes() {
 folder_flag=--output_dir
 if [[ $name == pinode_app ]]; then
   folder_flag=--folder
-elif [[ $(Completes --case) != "files " ]]; then
-  Fail "no files are offered for --case"
+else
+  file_flag=--case
+  if [[ $name == pinode_watch ]]; then
+    file_flag=--structure
+  fi
+  [[ $(Completes $file_flag) == "files " ]] ||
+    Fail "no files are offered for $file_flag"
 fi
 [[ $(Completes $folder_flag) == "files -d" ]] ||
   Fail "no folders are offered for $folder_flag"

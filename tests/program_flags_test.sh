@@ -3,8 +3,8 @@
 #
 #   tests/program_flags_test.sh PROGRAM
 #
-# --help exits 0 and shows --case, or --folder of pinode_app, which takes no
-# case. An unknown flag exits 2 with one line on standard error that names it,
+# --help exits 0 and shows --case, or --folder of pinode_app and --structure of
+# pinode_watch, which take no case. An unknown flag exits 2 with one line on standard error that names it,
 # and so does a call without a case. In neither is anything else written.
 # Standard output that cannot be written is status 1 and one line that says so.
 set -euo pipefail
@@ -32,6 +32,8 @@ refused=()
 if [[ ${program##*/} == pinode_app ]]; then
   input=folder
   refused=(--port=-1)
+elif [[ ${program##*/} == pinode_watch ]]; then
+  input=structure
 fi
 
 Run --help

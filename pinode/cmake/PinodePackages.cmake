@@ -116,7 +116,7 @@ endif()
 file(STRINGS ${PROJECT_SOURCE_DIR}/apps/packages.txt development
   REGEX "^[a-z].*-dev$")
 # The page of pinode_app is a program's alone.
-list(REMOVE_ITEM development libcpp-httplib-dev)
+list(REMOVE_ITEM development libcpp-httplib-dev libsqlite3-dev)
 if(PINODE_MPI)
   list(APPEND development libopenmpi-dev)
 endif()
@@ -147,6 +147,9 @@ This package has the programs, which read case files.")
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS libpinode-dev,python3-pinode)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/case/README.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME case_files.md
+    COMPONENT programs)
+  install(FILES ${PROJECT_SOURCE_DIR}/pinode/watch/README.md
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME watching.md
     COMPONENT programs)
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/matlab.md
       ${PROJECT_SOURCE_DIR}/pinode/case/recipes.md

@@ -20,8 +20,9 @@ constexpr char kCheckpoint[] = "checkpoint.json";
 constexpr char kPartial[] = ".partial-";
 // Files by which a folder is recognised as one of pinode's.
 constexpr const char* kMarkers[] = {
-    "result.json",   "discover.json", "modes.json", "damage.json",
-    "simulate.json", "check.json",    "plan.json",  kCheckpoint};
+    "result.json", "discover.json", "modes.json",
+    "damage.json", "simulate.json", "check.json",
+    "plan.json",   "watch.json",    kCheckpoint};
 
 // Returns the absolute path, without links, dots and a final slash.
 fs::path Canonical(const std::string& path) {

@@ -26,6 +26,7 @@ vcpkg_cmake_configure(
     -DPINODE_PYTHON=OFF
     -DPINODE_SHARED=OFF
     -DPINODE_UNITY_LIBRARY=ON
+    -DPINODE_WATCH=OFF
     -DPINODE_WERROR=OFF
     "-DTHREE_JS=${THREE_PATH}/build/three.min.js")
 vcpkg_cmake_install()

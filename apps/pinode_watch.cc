@@ -1,0 +1,201 @@
+// Watches a structure for years: modes of every record, their histories, what
+// is normal, and alarms at a stated rate.
+//
+// Sample runs:
+//   pinode_watch --structure=bridge.toml --store=watch.db --once
+//   pinode_watch --structure=bridge.toml --store=watch.db --output_dir=page
+//   pinode_watch --structure=bridge.toml --store=watch.db --backfill=old
+//   pinode_watch --keys
+
+#include <gflags/gflags.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "apps/launcher.h"
+#include "apps/print.h"
+#include "apps/program.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/case/results/result_folder.h"
+#include "pinode/report/html_report.h"
+#include "pinode/watch/store.h"
+#include "pinode/watch/structure_file.h"
+#include "pinode/watch/structure_keys.h"
+#include "pinode/watch/watch.h"
+#include "pinode/watch/watch_analysis.h"
+#include "pinode/watch/watch_files.h"
+
+DEFINE_string(structure, "",
+              "structure file (TOML); format: see watching.md (in the source "
+              "tree: pinode/watch/README.md); [modes] is that of a case: see "
+              "case_files.md (in the source tree: pinode/case/README.md)");
+DEFINE_string(store, "",
+              "file of the store (SQLite); it is made if it does not exist");
+DEFINE_bool(once, false,
+            "process the records that are there and end; without it the "
+            "folder is looked at again and again until the program is "
+            "interrupted");
+DEFINE_string(backfill, "",
+              "read the records of this folder in place of the folder in the "
+              "structure file, and end");
+DEFINE_int32(interval_seconds, 60, "time between two looks at the folder");
+DEFINE_string(output_dir, "",
+              "folder for histories.csv, alarms.csv, watch.json and "
+              "watch.html; must not exist without --overwrite; empty: write "
+              "no files");
+DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_bool(keys, false,
+            "print every key of a structure file with its type, default and "
+            "meaning, as tables in Markdown, and read no file");
+
+namespace pinode {
+namespace {
+
+bool CheckFlags(std::string* error) {
+  if (FLAGS_structure.empty()) {
+    *error = "--structure=FILE is missing; see --help";
+  } else if (FLAGS_store.empty()) {
+    *error = "--store=FILE is missing; see --help";
+  } else if (FLAGS_interval_seconds < 1) {
+    *error = "--interval_seconds=" + std::to_string(FLAGS_interval_seconds) +
+             ", expected at least 1";
+  } else if (FLAGS_output_dir.empty()) {
+    if (!FLAGS_overwrite) return true;
+    *error = "--overwrite needs --output_dir=FOLDER";
+  } else {
+    return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
+  }
+  return false;
+}
+
+void PrintRecord(const StoredRecord& record) {
+  if (!record.refusal.empty()) {
+    Print("refused: %s\n", record.refusal.c_str());
+    return;
+  }
+  Print("%s: %zu modes", record.name.c_str(), record.modes.size());
+  for (const StoredChannel& channel : record.channels) {
+    if (channel.fault.empty()) continue;
+    Print("; channel '%s' left out: it %s", channel.name.c_str(),
+          channel.fault.c_str());
+  }
+  Print("\n");
+}
+
+// The events that were printed already are those before `printed`.
+void PrintEvents(const WatchAnalysis& analysis, double* printed) {
+  for (const StoredEvent& event : analysis.events) {
+    if (event.time <= *printed) continue;
+    Print("%s %s: %s\n", DateText(event.time).c_str(), event.kind.c_str(),
+          event.text.c_str());
+  }
+  if (!analysis.events.empty()) *printed = analysis.events.back().time;
+}
+
+// Returns the exit status.
+int WriteFolder(const WatchedStructure& structure,
+                const WatchAnalysis& analysis, bool overwrite) {
+  if (FLAGS_output_dir.empty()) return kExitDone;
+  ResultFolder folder;
+  std::string error;
+  if (!folder.Open(FLAGS_output_dir, overwrite, false, &error)) {
+    return Refuse(error);
+  }
+  HtmlReportOptions options;
+  options.num_threads = DefaultThreads();
+  if (!WriteWatchFiles(structure, analysis, options, folder.working_path(),
+                       &error) ||
+      !folder.Commit(&error)) {
+    return CannotWrite(error, folder);
+  }
+  return kExitDone;
+}
+
+void Wait(int seconds) {
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  while (!Interrupted() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+}
+
+// Looks at the folder once or until an interrupt. Returns the exit status.
+int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
+  const bool once = FLAGS_once || !FLAGS_backfill.empty();
+  const std::string folder =
+      FLAGS_backfill.empty() ? structure.records.folder : FLAGS_backfill;
+  WatchCalls calls;
+  calls.stored = PrintRecord;
+  calls.unreadable = [](const std::string& message) {
+    PrintError("%s", message.c_str());
+  };
+  calls.interrupted = Interrupted;
+  double printed = -kInfinity;
+  for (bool first = true;; first = false) {
+    WatchCounts counts;
+    std::string error;
+    if (!StoreNewRecords(structure, folder, !once, id, calls, store, &counts,
+                         &error)) {
+      return Refuse(error);
+    }
+    if (first || counts.stored > 0) {
+      WatchAnalysis analysis;
+      if (!AnalyseStore(structure, id, store, &analysis, &error)) {
+        return Refuse(error);
+      }
+      PrintEvents(analysis, &printed);
+      Print("%d files, %d new. %s", counts.files, counts.stored,
+            WatchSummary(structure, analysis).c_str());
+      std::fflush(stdout);
+      const int status =
+          WriteFolder(structure, analysis, FLAGS_overwrite || !first);
+      if (status != kExitDone) return status;
+    }
+    if (counts.interrupted) return kExitInterrupted;
+    if (once) return kExitDone;
+    Wait(FLAGS_interval_seconds);
+    // The way to end it.
+    if (Interrupted()) return kExitDone;
+  }
+}
+
+}  // namespace
+
+int RunProgram(int argc, char** argv) {
+  int status;
+  if (!ParseFlags(argc, argv,
+                  "pinode_watch --structure=FILE --store=FILE [--once] "
+                  "[--output_dir=FOLDER]\n\n"
+                  "Watches a structure: finds the modes of every new record, "
+                  "joins them to histories,\nlearns how frequencies follow "
+                  "temperature and the like, and raises alarms at a\nstated "
+                  "rate of false ones.",
+                  &status)) {
+    return status;
+  }
+  if (NumLaunchedRanks() > 1) {
+    return Refuse("pinode_watch runs in one process, expected no launcher");
+  }
+  if (FLAGS_keys) {
+    std::printf("%s", StructureKeyReference().c_str());
+    return kExitDone;
+  }
+  std::string error;
+  WatchedStructure structure;
+  std::unique_ptr<Store> store;
+  int64_t id = 0;
+  if (!CheckFlags(&error) ||
+      !ReadStructureFile(FLAGS_structure, &structure, &error) ||
+      !Store::Open(FLAGS_store, Store::Access::kReadAndWrite, &store, &error) ||
+      !store->OpenStructure(structure.name, ReadingSettings(structure), &id,
+                            &error)) {
+    return Refuse(error);
+  }
+  CatchInterrupts();
+  return Watch(structure, id, store.get());
+}
+
+}  // namespace pinode

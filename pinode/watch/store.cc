@@ -1,0 +1,490 @@
+#include "pinode/watch/store.h"
+
+#include <sqlite3.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <unordered_map>
+
+#include "pinode/base/fnv.h"
+
+namespace pinode {
+namespace {
+
+// Marks the file as a store ("pnde"), and its tables.
+constexpr int kApplication = 0x706e6465;
+constexpr int kSchema = 1;
+constexpr int kBusyMilliseconds = 10000;
+
+constexpr char kTables[] = R"sql(
+CREATE TABLE structure (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  settings TEXT NOT NULL);
+CREATE TABLE record (
+  id INTEGER PRIMARY KEY,
+  structure INTEGER NOT NULL REFERENCES structure(id),
+  content TEXT NOT NULL,
+  name TEXT NOT NULL,
+  time REAL,
+  duration REAL NOT NULL,
+  refusal TEXT NOT NULL,
+  UNIQUE (structure, content));
+CREATE INDEX record_time ON record (structure, time);
+CREATE TABLE channel (
+  record INTEGER NOT NULL REFERENCES record(id),
+  number INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  fault TEXT NOT NULL,
+  PRIMARY KEY (record, number)) WITHOUT ROWID;
+CREATE TABLE mode (
+  record INTEGER NOT NULL REFERENCES record(id),
+  number INTEGER NOT NULL,
+  frequency_hz REAL NOT NULL,
+  frequency_sigma REAL NOT NULL,
+  damping_ratio REAL NOT NULL,
+  damping_sigma REAL NOT NULL,
+  shape BLOB NOT NULL,
+  PRIMARY KEY (record, number)) WITHOUT ROWID;
+CREATE TABLE covariate (
+  record INTEGER NOT NULL REFERENCES record(id),
+  name TEXT NOT NULL,
+  value REAL NOT NULL,
+  PRIMARY KEY (record, name)) WITHOUT ROWID;
+CREATE TABLE event (
+  structure INTEGER NOT NULL REFERENCES structure(id),
+  number INTEGER NOT NULL,
+  time REAL NOT NULL,
+  kind TEXT NOT NULL,
+  text TEXT NOT NULL,
+  PRIMARY KEY (structure, number)) WITHOUT ROWID;
+)sql";
+
+}  // namespace
+
+// Prepared statement. Results of its calls are SQLite's codes.
+class Store::Statement {
+ public:
+  Statement(sqlite3* database, const char* sql) {
+    code_ = sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& Bind(int64_t value) {
+    Keep(sqlite3_bind_int64(statement_, ++place_, value));
+    return *this;
+  }
+  // NaN becomes NULL.
+  Statement& Bind(double value) {
+    Keep(sqlite3_bind_double(statement_, ++place_, value));
+    return *this;
+  }
+  Statement& Bind(const std::string& text) {
+    Keep(sqlite3_bind_text64(statement_, ++place_, text.data(), text.size(),
+                             SQLITE_TRANSIENT, SQLITE_UTF8));
+    return *this;
+  }
+  Statement& Bind(const ComplexVector& values) {
+    Keep(sqlite3_bind_blob64(
+        statement_, ++place_, values.data(),
+        static_cast<sqlite3_uint64>(values.size()) * sizeof(values[0]),
+        SQLITE_TRANSIENT));
+    return *this;
+  }
+
+  // Runs a statement without results, and makes it ready for the next values.
+  bool Run() {
+    if (code_ == SQLITE_OK) code_ = sqlite3_step(statement_);
+    const bool done = code_ == SQLITE_DONE;
+    sqlite3_reset(statement_);
+    code_ = SQLITE_OK;
+    place_ = 0;
+    return done;
+  }
+  // Steps to the next row; false at the end, or at an error.
+  bool Step() {
+    if (code_ != SQLITE_OK && code_ != SQLITE_ROW) return false;
+    code_ = sqlite3_step(statement_);
+    return code_ == SQLITE_ROW;
+  }
+  bool IsAtEnd() const { return code_ == SQLITE_DONE; }
+
+  int64_t Integer(int column) const {
+    return sqlite3_column_int64(statement_, column);
+  }
+  double Number(int column) const {
+    return sqlite3_column_type(statement_, column) == SQLITE_NULL
+               ? kNaN
+               : sqlite3_column_double(statement_, column);
+  }
+  std::string Text(int column) const {
+    const auto* text =
+        reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    const int size = sqlite3_column_bytes(statement_, column);
+    return text == nullptr ? std::string()
+                           : std::string(text, static_cast<size_t>(size));
+  }
+  ComplexVector Shape(int column) const {
+    const void* data = sqlite3_column_blob(statement_, column);
+    const size_t size =
+        static_cast<size_t>(sqlite3_column_bytes(statement_, column));
+    ComplexVector values(
+        static_cast<Eigen::Index>(size / sizeof(std::complex<double>)));
+    if (data != nullptr) {
+      std::memcpy(
+          values.data(), data,
+          static_cast<size_t>(values.size()) * sizeof(std::complex<double>));
+    }
+    return values;
+  }
+
+ private:
+  void Keep(int code) {
+    if (code != SQLITE_OK) code_ = code;
+  }
+
+  sqlite3_stmt* statement_ = nullptr;
+  int code_ = SQLITE_OK;
+  int place_ = 0;
+};
+
+// Transaction that is undone unless it is committed.
+class Store::Transaction {
+ public:
+  explicit Transaction(Store* store) : store_(*store) {}
+  ~Transaction() {
+    if (open_)
+      sqlite3_exec(store_.database_, "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  bool Begin(std::string* error) {
+    open_ = store_.Execute("BEGIN IMMEDIATE", error);
+    return open_;
+  }
+  bool Commit(std::string* error) {
+    if (!store_.Execute("COMMIT", error)) return false;
+    open_ = false;
+    return true;
+  }
+
+ private:
+  Store& store_;
+  bool open_ = false;
+};
+
+double StoredRecord::Covariate(const std::string& covariate) const {
+  for (const auto& [key, value] : covariates) {
+    if (key == covariate) return value;
+  }
+  return kNaN;
+}
+
+std::string ContentIdentity(const std::string& content) {
+  char text[48];
+  std::snprintf(
+      text, sizeof(text), "%zu-%016llx", content.size(),
+      static_cast<unsigned long long>(Fnv1a(content.data(), content.size())));
+  return text;
+}
+
+Store::Store(std::string path, sqlite3* database)
+    : path_(std::move(path)), database_(database) {}
+
+Store::~Store() { sqlite3_close(database_); }
+
+bool Store::Fail(std::string* error) const {
+  const int code = sqlite3_errcode(database_);
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
+    *error = path_ +
+             ": another process has locked the store; end it, or try again "
+             "when it is done";
+  } else if (code == SQLITE_READONLY || code == SQLITE_CANTOPEN) {
+    *error = path_ +
+             ": the store cannot be written; its file and folder must be "
+             "writable";
+  } else if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) {
+    *error = path_ + ": not a store of pinode_watch, or damaged (" +
+             sqlite3_errmsg(database_) + "); use another file";
+  } else if (code == SQLITE_FULL) {
+    *error = path_ + ": the disk is full; free some space and run again";
+  } else {
+    *error = path_ + ": " + sqlite3_errmsg(database_);
+  }
+  return false;
+}
+
+bool Store::Execute(const char* sql, std::string* error) {
+  return sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) == SQLITE_OK ||
+         Fail(error);
+}
+
+bool Store::Open(const std::string& path, Access access,
+                 std::unique_ptr<Store>* store, std::string* error) {
+  const int flags = access == Access::kReadOnly
+                        ? SQLITE_OPEN_READONLY
+                        : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* database = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &database, flags, nullptr);
+  std::unique_ptr<Store> opened(new Store(path, database));
+  if (database == nullptr) {
+    *error = path + ": no memory for a store";
+    return false;
+  }
+  if (code != SQLITE_OK) {
+    *error = path + ": the store cannot be opened (" +
+             sqlite3_errmsg(database) + "); check the path and its folder";
+    return false;
+  }
+  sqlite3_busy_timeout(database, kBusyMilliseconds);
+  if (!opened->MakeSchema(access, error)) return false;
+  *store = std::move(opened);
+  return true;
+}
+
+bool Store::MakeSchema(Access access, std::string* error) {
+  const auto pragma = [this](const char* sql, int64_t* value) {
+    Statement statement(database_, sql);
+    if (!statement.Step()) return false;
+    *value = statement.Integer(0);
+    return true;
+  };
+  // Read under the lock, or two new processes would both make the tables.
+  Transaction transaction(this);
+  if (access == Access::kReadAndWrite && !transaction.Begin(error)) {
+    return false;
+  }
+  int64_t application = 0;
+  int64_t schema = 0;
+  int64_t num_tables = 0;
+  if (!pragma("PRAGMA application_id", &application) ||
+      !pragma("PRAGMA user_version", &schema) ||
+      !pragma("SELECT count(*) FROM sqlite_master", &num_tables)) {
+    return Fail(error);
+  }
+  if (application == 0 && schema == 0 && num_tables == 0 &&
+      access == Access::kReadAndWrite) {
+    const std::string marks =
+        "PRAGMA application_id = " + std::to_string(kApplication) +
+        "; PRAGMA user_version = " + std::to_string(kSchema);
+    if (!Execute(kTables, error) || !Execute(marks.c_str(), error) ||
+        !transaction.Commit(error)) {
+      return false;
+    }
+    // Readers and the writer do not wait for each other. It stays in the file.
+    return Execute("PRAGMA journal_mode = WAL", error);
+  }
+  if (application != kApplication) {
+    *error = path_ +
+             ": a database, but not a store of pinode_watch; use another file";
+    return false;
+  }
+  if (schema != kSchema) {
+    *error = path_ + ": the store has schema " + std::to_string(schema) +
+             ", but this pinode_watch has schema " + std::to_string(kSchema) +
+             "; use the version that wrote it, or fill a new store by "
+             "--backfill";
+    return false;
+  }
+  return access == Access::kReadOnly || transaction.Commit(error);
+}
+
+bool Store::OpenStructure(const std::string& name, const std::string& settings,
+                          int64_t* id, std::string* error) {
+  Transaction transaction(this);
+  if (!transaction.Begin(error)) return false;
+  Statement insert(database_,
+                   "INSERT OR IGNORE INTO structure (name, settings) "
+                   "VALUES (?, ?)");
+  if (!insert.Bind(name).Bind(settings).Run()) return Fail(error);
+  Statement find(database_,
+                 "SELECT id, settings FROM structure WHERE name = ?");
+  if (!find.Bind(name).Step()) return Fail(error);
+  if (find.Text(1) != settings) {
+    *error = path_ + ": the records of structure '" + name +
+             "' were read with other settings in [records], [modes] or the "
+             "covariates; restore them, or use a new store";
+    return false;
+  }
+  *id = find.Integer(0);
+  return transaction.Commit(error);
+}
+
+bool Store::Has(int64_t structure, const std::string& content, bool* has,
+                std::string* error) {
+  Statement find(database_,
+                 "SELECT 1 FROM record WHERE structure = ? AND content = ?");
+  *has = find.Bind(structure).Bind(content).Step();
+  return *has || find.IsAtEnd() || Fail(error);
+}
+
+bool Store::Add(int64_t structure, const StoredRecord& record, bool* added,
+                std::string* error) {
+  *added = false;
+  Transaction transaction(this);
+  if (!transaction.Begin(error)) return false;
+  Statement insert(database_,
+                   "INSERT OR IGNORE INTO record (structure, content, name, "
+                   "time, duration, refusal) VALUES (?, ?, ?, ?, ?, ?)");
+  if (!insert.Bind(structure)
+           .Bind(record.content)
+           .Bind(record.name)
+           .Bind(record.time)
+           .Bind(record.duration)
+           .Bind(record.refusal)
+           .Run()) {
+    return Fail(error);
+  }
+  if (sqlite3_changes(database_) == 0) return true;
+  if (!AddParts(sqlite3_last_insert_rowid(database_), record, error) ||
+      !transaction.Commit(error)) {
+    return false;
+  }
+  *added = true;
+  return true;
+}
+
+bool Store::AddParts(int64_t id, const StoredRecord& record,
+                     std::string* error) {
+  Statement channel(database_, "INSERT INTO channel VALUES (?, ?, ?, ?)");
+  int64_t number = 0;
+  for (const StoredChannel& entry : record.channels) {
+    if (!channel.Bind(id)
+             .Bind(number++)
+             .Bind(entry.name)
+             .Bind(entry.fault)
+             .Run()) {
+      return Fail(error);
+    }
+  }
+  Statement mode(database_, "INSERT INTO mode VALUES (?, ?, ?, ?, ?, ?, ?)");
+  number = 0;
+  for (const StoredMode& entry : record.modes) {
+    if (!mode.Bind(id)
+             .Bind(number++)
+             .Bind(entry.frequency_hz)
+             .Bind(entry.frequency_sigma)
+             .Bind(entry.damping_ratio)
+             .Bind(entry.damping_sigma)
+             .Bind(entry.shape)
+             .Run()) {
+      return Fail(error);
+    }
+  }
+  Statement covariate(database_, "INSERT INTO covariate VALUES (?, ?, ?)");
+  for (const auto& [name, value] : record.covariates) {
+    if (std::isnan(value)) continue;
+    if (!covariate.Bind(id).Bind(name).Bind(value).Run()) return Fail(error);
+  }
+  return true;
+}
+
+bool Store::AddCovariate(int64_t structure, const std::string& content,
+                         const std::string& name, double value,
+                         std::string* error) {
+  Statement insert(database_,
+                   "INSERT OR IGNORE INTO covariate SELECT id, ?, ? FROM "
+                   "record WHERE structure = ? AND content = ?");
+  return insert.Bind(name).Bind(value).Bind(structure).Bind(content).Run() ||
+         Fail(error);
+}
+
+bool Store::Records(int64_t structure, std::vector<StoredRecord>* records,
+                    std::string* error) {
+  records->clear();
+  // One view of the tables, whatever is written meanwhile.
+  if (!Execute("BEGIN", error)) return false;
+  const bool read = ReadParts(structure, records, error);
+  sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
+  return read;
+}
+
+bool Store::ReadParts(int64_t structure, std::vector<StoredRecord>* records,
+                      std::string* error) {
+  std::unordered_map<int64_t, size_t> places;
+  Statement record(database_,
+                   "SELECT id, content, name, time, duration, refusal FROM "
+                   "record WHERE structure = ? ORDER BY time, content");
+  record.Bind(structure);
+  while (record.Step()) {
+    places.emplace(record.Integer(0), records->size());
+    StoredRecord entry;
+    entry.content = record.Text(1);
+    entry.name = record.Text(2);
+    entry.time = record.Number(3);
+    entry.duration = record.Number(4);
+    entry.refusal = record.Text(5);
+    records->push_back(std::move(entry));
+  }
+  if (!record.IsAtEnd()) return Fail(error);
+  const auto each = [&](const char* sql, const auto& take) {
+    Statement statement(database_, sql);
+    statement.Bind(structure);
+    while (statement.Step()) {
+      take(statement, &(*records)[places.at(statement.Integer(0))]);
+    }
+    return statement.IsAtEnd() || Fail(error);
+  };
+  return each(
+             "SELECT record, channel.name, fault FROM channel JOIN record ON "
+             "record.id = record WHERE structure = ? ORDER BY record, number",
+             [](const Statement& row, StoredRecord* into) {
+               into->channels.push_back({row.Text(1), row.Text(2)});
+             }) &&
+         each(
+             "SELECT record, frequency_hz, frequency_sigma, damping_ratio, "
+             "damping_sigma, shape FROM mode JOIN record ON record.id = record "
+             "WHERE structure = ? ORDER BY record, number",
+             [](const Statement& row, StoredRecord* into) {
+               into->modes.push_back({row.Number(1), row.Number(2),
+                                      row.Number(3), row.Number(4),
+                                      row.Shape(5)});
+             }) &&
+         each(
+             "SELECT record, covariate.name, value FROM covariate JOIN record "
+             "ON record.id = record WHERE structure = ? ORDER BY record, "
+             "covariate.name",
+             [](const Statement& row, StoredRecord* into) {
+               into->covariates.emplace_back(row.Text(1), row.Number(2));
+             });
+}
+
+bool Store::SetEvents(int64_t structure, const std::vector<StoredEvent>& events,
+                      std::string* error) {
+  Transaction transaction(this);
+  if (!transaction.Begin(error)) return false;
+  Statement clear(database_, "DELETE FROM event WHERE structure = ?");
+  if (!clear.Bind(structure).Run()) return Fail(error);
+  Statement insert(database_, "INSERT INTO event VALUES (?, ?, ?, ?, ?)");
+  int64_t number = 0;
+  for (const StoredEvent& event : events) {
+    if (!insert.Bind(structure)
+             .Bind(number++)
+             .Bind(event.time)
+             .Bind(event.kind)
+             .Bind(event.text)
+             .Run()) {
+      return Fail(error);
+    }
+  }
+  return transaction.Commit(error);
+}
+
+bool Store::Events(int64_t structure, std::vector<StoredEvent>* events,
+                   std::string* error) {
+  events->clear();
+  Statement read(database_,
+                 "SELECT time, kind, text FROM event WHERE structure = ? "
+                 "ORDER BY number");
+  read.Bind(structure);
+  while (read.Step()) {
+    events->push_back({read.Number(0), read.Text(1), read.Text(2)});
+  }
+  return read.IsAtEnd() || Fail(error);
+}
+
+}  // namespace pinode

@@ -1,0 +1,286 @@
+#include "pinode/watch/structure_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
+#include "pinode/base/parallel_for.h"
+#include "pinode/base/strings.h"
+#include "pinode/case/sections/modes_section.h"
+#include "pinode/case/text/toml_table.h"
+#include "pinode/case/text/toml_value.h"
+#include "pinode/record/files/clock.h"
+#include "pinode/watch/structure_keys.h"
+
+namespace pinode {
+namespace {
+
+// Fewest records of a reference, from which a regression and its scatter can be
+// estimated at all.
+constexpr int kFewestReference = 30;
+
+bool ResolveDate(const ClockCell& cell, double* seconds) {
+  ClockColumn column;
+  int64_t bad_row = -1;
+  std::string error;
+  if (!cell.has_date || !ResolveClock({cell}, &column, &bad_row, &error) ||
+      !column.is_dated || !column.is_order_certain) {
+    return false;
+  }
+  *seconds = column.origin;
+  return true;
+}
+
+class StructureFileReader {
+ public:
+  StructureFileReader(const TomlValue& source, const std::string& path,
+                      std::string* error)
+      : error_(error),
+        errors_(path, error),
+        // Paths of the tables are not those of a case, whose keys differ.
+        root_(source, "", &errors_, "structure") {
+    structure_.path = path;
+    const size_t slash = path.find_last_of('/');
+    base_ = slash == std::string::npos ? "" : path.substr(0, slash + 1);
+  }
+
+  bool Read(WatchedStructure* structure) {
+    root_.AllowKeys(StructureKeys(""));
+    structure_.name = root_.RequiredString("name");
+    if (errors_.ok() && structure_.name.empty()) {
+      root_.Fail("name", "the name is empty, expected a text");
+    }
+    ReadRecords();
+    ReadCovariates();
+    ReadReference();
+    ReadTracking();
+    ReadAlarm();
+    if (!errors_.ok() || !ReadModes()) return false;
+    *structure = std::move(structure_);
+    return true;
+  }
+
+ private:
+  TomlTable Open(const std::string& key) {
+    TomlTable table = root_.Table(key, "[" + key + "]");
+    table.AllowKeys(StructureKeys(key));
+    return table;
+  }
+
+  std::string Resolve(const std::string& path) const {
+    return path.empty() || path.front() == '/' ? path : base_ + path;
+  }
+
+  void ReadRecords() {
+    const TomlTable table = Open("records");
+    WatchedRecords& records = structure_.records;
+    records.folder = Resolve(table.String("folder", "."));
+    records.pattern = table.String("pattern", records.pattern);
+    if (table.Has("columns")) records.columns = table.Strings("columns");
+    records.quantities = table.Strings("quantities");
+    records.time_column = table.String("time");
+    records.sampling_rate_hz = table.PositiveNumber("sampling_rate_hz", 0.0);
+    records.time_in_name = table.String("time_in_name");
+    if (!errors_.ok()) return;
+    if (records.columns.empty()) {
+      table.Fail("columns", "columns is empty, expected names of columns");
+    }
+    if (records.pattern.empty() ||
+        records.pattern.find('/') != std::string::npos) {
+      table.Fail("pattern", "pattern = \"" + records.pattern +
+                                "\", expected names of files such as "
+                                "\"*.csv\"; set the folder by `folder`");
+    }
+    if (records.sampling_rate_hz > 0.0 && !records.time_column.empty()) {
+      table.Fail("sampling_rate_hz",
+                 "time and sampling_rate_hz are both given, expected one of "
+                 "them");
+    }
+    // A file without a column of the time has no clock times either.
+    if (records.sampling_rate_hz > 0.0 && records.time_in_name.empty()) {
+      table.Fail("sampling_rate_hz",
+                 "time_in_name is missing; with sampling_rate_hz the names of "
+                 "the files must say when the records begin");
+    }
+  }
+
+  void ReadCovariates() {
+    for (const TomlTable& table : root_.Tables("covariate")) {
+      table.AllowKeys(StructureKeys("covariate"));
+      WatchedCovariate covariate;
+      covariate.name = table.RequiredString("name");
+      covariate.column = table.String("column", covariate.name);
+      if (table.Has("kink")) covariate.kink = table.Number("kink", 0.0);
+      covariate.file = Resolve(table.String("file"));
+      covariate.time_column = table.String("time");
+      covariate.largest_gap_hours =
+          table.PositiveNumber("largest_gap_hours", 3.0);
+      if (!errors_.ok()) return;
+      if (covariate.file.empty() == !covariate.time_column.empty()) {
+        table.Fail("file", covariate.file.empty()
+                               ? "time needs `file`"
+                               : "time is missing, expected the column of the "
+                                 "clock times in `file`");
+      }
+      for (const WatchedCovariate& other : structure_.covariates) {
+        if (other.name != covariate.name) continue;
+        table.Fail("name", "the name '" + covariate.name +
+                               "' occurs twice, expected different names");
+      }
+      structure_.covariates.push_back(std::move(covariate));
+    }
+  }
+
+  void ReadReference() {
+    const TomlTable table = Open("reference");
+    ReferencePeriod& reference = structure_.reference;
+    reference.num_records =
+        table.Integer("records", 0, kFewestReference, 100000000);
+    const auto read_date = [&](const char* key, double* seconds) {
+      if (!table.Has(key)) return;
+      const std::string text = table.String(key);
+      if (!errors_.ok() || ParseDate(text, seconds)) return;
+      table.Fail(key, std::string(key) + " = \"" + text +
+                          "\", expected a date such as \"2024-03-01\" or "
+                          "\"2024-03-01 12:00\"");
+    };
+    read_date("from", &reference.from);
+    read_date("to", &reference.to);
+    if (!errors_.ok()) return;
+    if (table.Has("records") == table.Has("to")) {
+      table.Fail(table.Has("to") ? "to" : "records",
+                 std::string(table.Has("to") ? "records and to are both given"
+                                             : "the reference has no end") +
+                     ", expected either records = 500 or to = \"2025-03-01\"");
+    } else if (!(reference.from < reference.to)) {
+      table.Fail("to", "to is not after from");
+    }
+  }
+
+  void ReadTracking() {
+    const TomlTable table = Open("tracking");
+    TrackingOptions& options = structure_.tracking;
+    options.largest_step =
+        Fraction(table, "largest_step", options.largest_step);
+    options.least_mac = Fraction(table, "least_mac", options.least_mac);
+    options.least_presence =
+        Fraction(table, "least_presence", options.least_presence);
+  }
+
+  void ReadAlarm() {
+    const TomlTable table = Open("alarm");
+    ChartOptions& options = structure_.chart;
+    options.false_alarms_per_year = table.PositiveNumber(
+        "false_alarms_per_year", options.false_alarms_per_year);
+    options.memory_days =
+        table.PositiveNumber("memory_days", options.memory_days);
+    options.clear_days = table.PositiveNumber("clear_days", options.clear_days);
+    if (!errors_.ok()) return;
+    if (options.false_alarms_per_year < 0.1 ||
+        options.false_alarms_per_year > 50.0) {
+      table.Fail("false_alarms_per_year",
+                 "false_alarms_per_year = " +
+                     FormatNumber(options.false_alarms_per_year) +
+                     ", expected 0.1 to 50");
+    }
+    if (options.memory_days > 100.0 || options.clear_days > 100.0) {
+      table.Fail("memory_days",
+                 "memory_days and clear_days are at most 100 days");
+    }
+  }
+
+  double Fraction(const TomlTable& table, const std::string& key,
+                  double absent) {
+    const double value = table.PositiveNumber(key, absent);
+    if (errors_.ok() && value >= 1.0) {
+      table.Fail(key, key + " = " + FormatNumber(value) +
+                          ", expected a number between 0 and 1");
+    }
+    return value;
+  }
+
+  // Reads [modes] by the reader of cases, so that it means the same here.
+  bool ReadModes() {
+    const TomlValue* modes = root_.Find("modes");
+    structure_.modes.num_threads = DefaultThreads();
+    if (modes == nullptr) return true;
+    for (const char* key : {"references", "keep_harmonics", "frf"}) {
+      const TomlValue* value = modes->Find(key);
+      if (value == nullptr) continue;
+      return errors_.Fail(value->line,
+                          std::string("[modes] ") + key +
+                              " is not for pinode_watch; leave it out");
+    }
+    TomlValue alone = TomlValue::Table();
+    alone.Set("modes", *modes);
+    alone.Find("modes")->line = modes->line;
+    ModesCase c;
+    std::string message;
+    if (!ReadModesOptions(alone, &c, &message)) {
+      *error_ = structure_.path + ":" + message;
+      return false;
+    }
+    structure_.modes = c.options;
+    structure_.modes_text = FormatToml(alone);
+    structure_.modes.num_threads = DefaultThreads();
+    return true;
+  }
+
+  std::string* error_;
+  CaseErrors errors_;
+  const TomlTable root_;
+  std::string base_;
+  WatchedStructure structure_;
+};
+
+}  // namespace
+
+bool ParseDate(const std::string& text, double* seconds) {
+  ClockCell cell;
+  if (ParseClock(text, &cell)) return ResolveDate(cell, seconds);
+  // Two numbers of a time could be minutes and seconds in a file of a logger.
+  // Here they are hours and minutes.
+  for (const char* format : {"%Y-%m-%d", "%Y-%m-%d %H:%M"}) {
+    if (ParseDateBy(format, text, seconds)) return true;
+  }
+  return false;
+}
+
+bool ParseDateBy(const std::string& format, const std::string& text,
+                 double* seconds) {
+  ClockCell cell;
+  return ParseClockBy(format, text, &cell) && ResolveDate(cell, seconds);
+}
+
+bool ParseStructureFile(const std::string& text, const std::string& path,
+                        WatchedStructure* structure, std::string* error) {
+  TomlValue source;
+  return ParseToml(text, path, &source, error) &&
+         StructureFileReader(source, path, error).Read(structure);
+}
+
+bool ReadStructureFile(const std::string& path, WatchedStructure* structure,
+                       std::string* error) {
+  std::string text;
+  return ReadTextFile(path, &text, error) &&
+         ParseStructureFile(text, path, structure, error);
+}
+
+std::string ReadingSettings(const WatchedStructure& structure) {
+  const WatchedRecords& records = structure.records;
+  std::string text = "columns " + Join(records.columns, ",") + "; quantities " +
+                     Join(records.quantities, ",") + "; time " +
+                     records.time_column + "; rate " +
+                     FormatNumber(records.sampling_rate_hz) +
+                     "; time_in_name " + records.time_in_name;
+  for (const WatchedCovariate& covariate : structure.covariates) {
+    if (covariate.file.empty()) {
+      text += "; covariate " + covariate.name + " " + covariate.column;
+    }
+  }
+  return text + "\n" + structure.modes_text;
+}
+
+}  // namespace pinode

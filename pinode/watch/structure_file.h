@@ -1,0 +1,108 @@
+// Structure file of pinode_watch: records to watch, covariates, and the alarm.
+
+#ifndef PINODE_WATCH_STRUCTURE_FILE_H_
+#define PINODE_WATCH_STRUCTURE_FILE_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/base/constants.h"
+#include "pinode/modal/identify_modes.h"
+
+namespace pinode {
+
+// Records of a structure, all read alike.
+struct WatchedRecords {
+  // Folder of the files, absolute or relative to the working directory.
+  std::string folder;
+  // Shell pattern of their names.
+  std::string pattern = "*.csv";
+  std::vector<std::string> columns = {"all"};
+  std::vector<std::string> quantities;
+  std::string time_column;
+  double sampling_rate_hz = 0.0;
+  // Format of strptime by which the name of a file, without its extension,
+  // gives the time of its first sample. Empty: the clock times of the file.
+  std::string time_in_name;
+};
+
+// Covariate of the frequencies, such as a temperature.
+struct WatchedCovariate {
+  std::string name;
+  std::string column;
+  // Value at which the slope changes. NaN: no kink.
+  double kink = kNaN;
+  // Table with clock times. Empty: the column is in the records' files.
+  std::string file;
+  std::string time_column;
+  double largest_gap_hours = 3.0;
+};
+
+// Period that the normal behaviour is learned from. Either a number of records,
+// or the records between two times, in s since 1970.
+struct ReferencePeriod {
+  int num_records = 0;
+  double from = -kInfinity;
+  double to = kInfinity;
+};
+
+struct TrackingOptions {
+  // Largest change of a frequency, as a fraction, between a mode and the recent
+  // mean of its history.
+  double largest_step = 0.1;
+  // Smallest MAC between a mode and its history.
+  double least_mac = 0.6;
+  // Share of the reference records that must have a mode if its frequency is to
+  // be watched.
+  double least_presence = 0.5;
+};
+
+struct ChartOptions {
+  double false_alarms_per_year = 1.0;
+  // Memory of the moving average, in days. The study of watched_bridge compares
+  // 1, 3 and 7.
+  double memory_days = 3.0;
+  // Time without a new exceedance after which an alarm ends, in days.
+  double clear_days = 7.0;
+};
+
+struct WatchedStructure {
+  std::string path;
+  std::string name;
+  WatchedRecords records;
+  std::vector<WatchedCovariate> covariates;
+  ModeIdentificationOptions modes;
+  // Table [modes] as it was written, to notice a change.
+  std::string modes_text;
+  ReferencePeriod reference;
+  TrackingOptions tracking;
+  ChartOptions chart;
+};
+
+// Reads a structure file. On failure *error is one line and *structure is
+// untouched.
+[[nodiscard]] bool ReadStructureFile(const std::string& path,
+                                     WatchedStructure* structure,
+                                     std::string* error);
+
+// Does the same for a text in memory; `path` finds the folders and serves
+// messages.
+[[nodiscard]] bool ParseStructureFile(const std::string& text,
+                                      const std::string& path,
+                                      WatchedStructure* structure,
+                                      std::string* error);
+
+// Returns the settings that the stored results of a record depend on, as one
+// text. A store refuses records that were read with other settings.
+std::string ReadingSettings(const WatchedStructure& structure);
+
+// Parses a date or a date with time, such as "2024-03-01 12:00". Returns false
+// unless it is clear which day is meant. *seconds: since 1970, in UTC.
+[[nodiscard]] bool ParseDate(const std::string& text, double* seconds);
+// Does the same by a format of strptime.
+[[nodiscard]] bool ParseDateBy(const std::string& format,
+                               const std::string& text, double* seconds);
+
+}  // namespace pinode
+
+#endif  // PINODE_WATCH_STRUCTURE_FILE_H_

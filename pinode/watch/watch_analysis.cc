@@ -1,0 +1,358 @@
+#include "pinode/watch/watch_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "pinode/base/strings.h"
+
+namespace pinode {
+namespace {
+
+constexpr double kDay = 86400.0;
+// Features that an alarm names.
+constexpr size_t kMostNamed = 3;
+
+// Orders the records and leaves those that can be used.
+void SelectRecords(std::vector<StoredRecord> records, WatchAnalysis* analysis) {
+  std::sort(records.begin(), records.end(),
+            [](const StoredRecord& a, const StoredRecord& b) {
+              if (a.time != b.time) return a.time < b.time;
+              if (a.duration != b.duration) return a.duration > b.duration;
+              return a.content < b.content;
+            });
+  for (StoredRecord& record : records) {
+    if (!analysis->records.empty() &&
+        analysis->records.back().time == record.time) {
+      // A file that was read while it grew.
+      ++analysis->num_repeated;
+      continue;
+    }
+    analysis->records.push_back(std::move(record));
+  }
+}
+
+void MarkReference(const ReferencePeriod& reference, WatchAnalysis* analysis) {
+  const size_t count = analysis->records.size();
+  analysis->is_reference.assign(count, false);
+  for (size_t r = 0; r < count; ++r) {
+    const double time = analysis->records[r].time;
+    analysis->is_reference[r] =
+        reference.num_records > 0
+            ? r < static_cast<size_t>(reference.num_records)
+            : time >= reference.from && time < reference.to;
+  }
+  analysis->reference_is_complete =
+      reference.num_records > 0
+          ? count >= static_cast<size_t>(reference.num_records)
+          : count > 0 && analysis->records.back().time >= reference.to;
+}
+
+// Turns the histories that are present often enough into features.
+void MakeSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
+  const std::vector<StoredRecord>& records = analysis->records;
+  const std::vector<ModeHistory> histories =
+      JoinModes(records, structure.tracking);
+  analysis->num_histories = static_cast<int>(histories.size());
+  const double num_reference = static_cast<double>(std::count(
+      analysis->is_reference.begin(), analysis->is_reference.end(), true));
+  std::vector<std::pair<double, size_t>> watched;  // by frequency
+  for (size_t h = 0; h < histories.size(); ++h) {
+    double count = 0.0;
+    double sum = 0.0;
+    for (const ModeHistory::Point& point : histories[h].points) {
+      const size_t r = static_cast<size_t>(point.record);
+      if (!analysis->is_reference[r]) continue;
+      count += 1.0;
+      sum += records[r].modes[static_cast<size_t>(point.mode)].frequency_hz;
+    }
+    if (count > 0.0 &&
+        count >= structure.tracking.least_presence * num_reference) {
+      watched.emplace_back(sum / count, h);
+    }
+  }
+  std::sort(watched.begin(), watched.end());
+
+  FeatureSeries& series = analysis->series;
+  const Eigen::Index num_records = static_cast<Eigen::Index>(records.size());
+  const Eigen::Index num_features = static_cast<Eigen::Index>(watched.size());
+  const Eigen::Index num_covariates =
+      static_cast<Eigen::Index>(structure.covariates.size());
+  series.times.resize(num_records);
+  series.values = Matrix::Constant(num_records, num_features, kNaN);
+  series.sigmas = series.values;
+  series.covariates.resize(num_records, num_covariates);
+  series.kinks.resize(num_covariates);
+  analysis->reference_hz.resize(num_features);
+  for (Eigen::Index c = 0; c < num_covariates; ++c) {
+    const WatchedCovariate& covariate =
+        structure.covariates[static_cast<size_t>(c)];
+    series.covariate_names.push_back(covariate.name);
+    series.kinks[c] = covariate.kink;
+    for (Eigen::Index r = 0; r < num_records; ++r) {
+      series.covariates(r, c) =
+          records[static_cast<size_t>(r)].Covariate(covariate.name);
+    }
+  }
+  for (Eigen::Index r = 0; r < num_records; ++r) {
+    series.times[r] = records[static_cast<size_t>(r)].time;
+  }
+  for (Eigen::Index f = 0; f < num_features; ++f) {
+    const auto& [hz, h] = watched[static_cast<size_t>(f)];
+    analysis->reference_hz[f] = hz;
+    series.names.push_back("mode " + std::to_string(f + 1) + " (" +
+                           FormatNumber(hz, 4) + " Hz)");
+    for (const ModeHistory::Point& point : histories[h].points) {
+      const StoredMode& mode = records[static_cast<size_t>(point.record)]
+                                   .modes[static_cast<size_t>(point.mode)];
+      series.values(point.record, f) = std::log(mode.frequency_hz);
+      series.sigmas(point.record, f) = mode.frequency_sigma / mode.frequency_hz;
+    }
+  }
+}
+
+void SetExpected(WatchAnalysis* analysis) {
+  const FeatureSeries& series = analysis->series;
+  const NormalModel& model = analysis->model;
+  const Matrix covariance = CovarianceWithOutside(model);
+  const Eigen::Index terms = model.num_terms();
+  const Eigen::Index covariates = model.centres.size();
+  analysis->expected =
+      Matrix::Constant(series.num_records(), series.num_features(), kNaN);
+  analysis->expected_deviations = analysis->expected;
+  for (Eigen::Index r = 0; r < series.num_records(); ++r) {
+    const RowVector row = model.Terms(series, r);
+    if (!row.allFinite()) continue;
+    const Vector outside = model.Outside(series, r);
+    for (Eigen::Index f = 0; f < series.num_features(); ++f) {
+      double variance =
+          model.scatter(f, f) +
+          model.noise_deviations[f] * model.noise_deviations[f] +
+          row.dot(model.covariance.block(f * terms, f * terms, terms, terms) *
+                  row.transpose());
+      for (Eigen::Index c = 0; c < covariates; ++c) {
+        const Eigen::Index at = model.covariance.rows() + f * covariates + c;
+        variance += covariance(at, at) * outside[c] * outside[c];
+      }
+      analysis->expected(r, f) = row.dot(model.coefficients.col(f));
+      analysis->expected_deviations(r, f) = std::sqrt(variance);
+    }
+  }
+}
+
+std::string Percent(double fraction) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%+.2f %%", 100.0 * fraction);
+  return text;
+}
+
+// Raises alarms and ends them.
+class AlarmKeeper {
+ public:
+  AlarmKeeper(const WatchedStructure& structure,
+              const std::vector<Innovation>& innovations,
+              WatchAnalysis* analysis)
+      : options_(structure.chart),
+        innovations_(innovations),
+        analysis_(*analysis),
+        covariance_(CovarianceWithOutside(analysis->model)),
+        average_(analysis->series.num_features(), covariance_.rows(),
+                 structure.chart.memory_days * kDay) {}
+
+  void Run() {
+    const double reference_end = EndOfReference();
+    double last = kNaN;
+    for (size_t r = 0; r < innovations_.size(); ++r) {
+      time_ = analysis_.series.times[static_cast<Eigen::Index>(r)];
+      if (innovations_[r].valid) {
+        average_.Add(std::isnan(last) ? 0.0 : time_ - last, innovations_[r]);
+        last = time_;
+      }
+      if (time_ <= reference_end) {
+        analysis_.lights.push_back(WatchLight::kLearning);
+        continue;
+      }
+      Judge(r);
+      analysis_.lights.push_back(light_);
+    }
+  }
+
+ private:
+  double EndOfReference() const {
+    double end = -kInfinity;
+    for (size_t r = 0; r < analysis_.is_reference.size(); ++r) {
+      if (analysis_.is_reference[r]) {
+        end = analysis_.series.times[static_cast<Eigen::Index>(r)];
+      }
+    }
+    return end;
+  }
+
+  bool Exceeds(size_t r, const ChartLimits& limits) const {
+    const ChartValues& values = analysis_.chart[r];
+    return values.t2 > limits.t2 || values.average > limits.average;
+  }
+
+  void Judge(size_t r) {
+    const bool is_alarm = Exceeds(r, analysis_.thresholds.alarm);
+    const bool is_notice = Exceeds(r, analysis_.thresholds.notice);
+    const std::string outside = OutsideText(r);
+    if (is_alarm) {
+      if (light_ != WatchLight::kAlarm) {
+        AddEvent("alarm", AlarmText(r, outside));
+      }
+      light_ = WatchLight::kAlarm;
+      last_alarm_ = time_;
+    } else if (light_ == WatchLight::kAlarm) {
+      if (time_ - last_alarm_ < options_.clear_days * kDay) return;
+      light_ = WatchLight::kNormal;
+      AddEvent("all-clear", "no record exceeded the limits for " +
+                                FormatNumber(options_.clear_days, 3) + " days");
+    }
+    if (light_ == WatchLight::kAlarm) return;
+    if (is_notice || !outside.empty()) {
+      if (light_ != WatchLight::kNotice) {
+        AddEvent("notice", is_notice ? AlarmText(r, outside) : outside);
+      }
+      light_ = WatchLight::kNotice;
+      last_notice_ = time_;
+    } else if (light_ == WatchLight::kNotice &&
+               time_ - last_notice_ >= options_.clear_days * kDay) {
+      light_ = WatchLight::kNormal;
+    }
+  }
+
+  void AddEvent(const std::string& kind, const std::string& text) {
+    analysis_.events.push_back({time_, kind, text});
+  }
+
+  // Returns a sentence on covariates outside of the learned range.
+  std::string OutsideText(size_t r) const {
+    const FeatureSeries& series = analysis_.series;
+    const Eigen::Index record = static_cast<Eigen::Index>(r);
+    const Vector outside = analysis_.model.Outside(series, record);
+    std::vector<std::string> parts;
+    for (Eigen::Index c = 0; c < outside.size(); ++c) {
+      if (outside[c] <= 0.0) continue;
+      parts.push_back(series.covariate_names[static_cast<size_t>(c)] + " = " +
+                      FormatNumber(series.covariates(record, c), 4) +
+                      " is outside of the learned range " +
+                      FormatNumber(analysis_.model.lowest[c], 4) + " to " +
+                      FormatNumber(analysis_.model.highest[c], 4));
+    }
+    return Join(parts, "; ");
+  }
+
+  // Returns the reasons: faulty sensors and covariates first, then the features
+  // that moved most.
+  std::string AlarmText(size_t r, const std::string& outside) const {
+    std::vector<std::string> parts;
+    for (const StoredChannel& channel : analysis_.records[r].channels) {
+      if (channel.fault.empty()) continue;
+      std::string fault = channel.fault;
+      if (fault.back() == '.') fault.pop_back();
+      parts.push_back("channel '" + channel.name + "' is left out: it " +
+                      fault);
+    }
+    if (!outside.empty()) parts.push_back(outside);
+    const bool by_average =
+        analysis_.chart[r].average - analysis_.thresholds.alarm.average >=
+        analysis_.chart[r].t2 - analysis_.thresholds.alarm.t2;
+    Vector change, deviation;
+    if (by_average) {
+      average_.Change(covariance_, &change, &deviation);
+    } else {
+      change = innovations_[r].residuals;
+      deviation = innovations_[r].deviations;
+    }
+    std::vector<std::pair<double, Eigen::Index>> moved;
+    for (Eigen::Index f = 0; f < change.size(); ++f) {
+      const double size = std::abs(change[f]) / deviation[f];
+      if (std::isfinite(size)) moved.emplace_back(-size, f);
+    }
+    std::sort(moved.begin(), moved.end());
+    for (size_t i = 0; i < std::min(kMostNamed, moved.size()); ++i) {
+      const Eigen::Index f = moved[i].second;
+      parts.push_back(analysis_.series.names[static_cast<size_t>(f)] + " " +
+                      Percent(change[f]) + " (" +
+                      FormatNumber(-moved[i].first, 2) + " deviations)");
+    }
+    return (by_average ? "lasting change: " : "this record: ") +
+           Join(parts, "; ");
+  }
+
+  const ChartOptions& options_;
+  const std::vector<Innovation>& innovations_;
+  WatchAnalysis& analysis_;
+  const Matrix covariance_;
+  ScoreAverage average_;
+  double time_ = 0.0;
+  WatchLight light_ = WatchLight::kNormal;
+  double last_alarm_ = 0.0;
+  double last_notice_ = 0.0;
+};
+
+}  // namespace
+
+const char* WatchLightName(WatchLight light) {
+  switch (light) {
+    case WatchLight::kLearning:
+      return "learning";
+    case WatchLight::kNormal:
+      return "normal";
+    case WatchLight::kNotice:
+      return "notice";
+    case WatchLight::kAlarm:
+      return "alarm";
+  }
+  return "";
+}
+
+void AnalyseSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
+  analysis->has_chart = false;
+  if (!analysis->reference_is_complete) {
+    analysis->reason = "the reference period is not complete yet";
+    return;
+  }
+  if (!LearnNormal(analysis->series, analysis->is_reference, &analysis->model,
+                   &analysis->reason)) {
+    return;
+  }
+  const std::vector<Innovation> innovations =
+      FilterSeries(analysis->series, analysis->model);
+  std::vector<Innovation> reference = innovations;
+  for (size_t r = 0; r < reference.size(); ++r) {
+    reference[r].valid = reference[r].valid && analysis->is_reference[r];
+  }
+  if (!FindThresholds(reference, analysis->series.times, analysis->model.memory,
+                      structure.chart, &analysis->thresholds,
+                      &analysis->reason)) {
+    return;
+  }
+  analysis->chart = MakeChart(innovations, analysis->series.times,
+                              analysis->model, structure.chart);
+  SetExpected(analysis);
+  analysis->has_chart = true;
+  AlarmKeeper(structure, innovations, analysis).Run();
+}
+
+WatchAnalysis AnalyseRecords(const WatchedStructure& structure,
+                             std::vector<StoredRecord> records) {
+  WatchAnalysis analysis;
+  std::vector<StoredRecord> usable;
+  for (StoredRecord& record : records) {
+    if (!record.refusal.empty() || std::isnan(record.time)) {
+      ++analysis.num_refused;
+      continue;
+    }
+    usable.push_back(std::move(record));
+  }
+  SelectRecords(std::move(usable), &analysis);
+  MarkReference(structure.reference, &analysis);
+  MakeSeries(structure, &analysis);
+  AnalyseSeries(structure, &analysis);
+  return analysis;
+}
+
+}  // namespace pinode

@@ -1,0 +1,170 @@
+#include "pinode/watch/watch_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace pinode {
+namespace {
+
+constexpr double kRecordStep = 3.0 * 3600.0;
+
+// Frequent false alarms need short simulations.
+WatchedStructure Structure(double false_alarms_per_year = 4.0) {
+  WatchedStructure structure;
+  structure.chart.false_alarms_per_year = false_alarms_per_year;
+  structure.name = "bridge";
+  structure.reference.num_records = 500;
+  WatchedCovariate temperature;
+  temperature.name = "temperature";
+  structure.covariates = {temperature};
+  return structure;
+}
+
+// Records every three hours of a structure whose three frequencies follow the
+// temperature. From record `from` on, modes 1 and 3 change by `change`.
+std::vector<StoredRecord> Records(int count, int from, double change,
+                                  double colder = 0.0) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<StoredRecord> records;
+  for (int r = 0; r < count; ++r) {
+    StoredRecord record;
+    record.content = std::to_string(r);
+    record.name = record.content + ".csv";
+    record.time = 1.7e9 + kRecordStep * r;
+    record.duration = 600.0;
+    record.channels = {{"a", ""}, {"b", ""}};
+    const double t = 10.0 + 8.0 * std::sin(0.03 * r) + normal(random) -
+                     (r >= from ? colder : 0.0);
+    record.covariates = {{"temperature", t}};
+    for (int m = 0; m < 3; ++m) {
+      StoredMode mode;
+      const double is_changed = r >= from && m != 1 ? change : 0.0;
+      mode.frequency_hz =
+          3.0 * (1 + m) *
+          std::exp(-1e-3 * t + 2e-3 * normal(random) + is_changed);
+      mode.frequency_sigma = 2e-3 * mode.frequency_hz;
+      mode.shape = ComplexVector::Ones(2);
+      mode.shape[1] = 1.0 - m;
+      record.modes.push_back(mode);
+    }
+    records.push_back(record);
+  }
+  return records;
+}
+
+TEST(WatchAnalysis, IsQuietWithoutAChange) {
+  const WatchAnalysis analysis =
+      AnalyseRecords(Structure(1.0), Records(1000, 1000, 0.0));
+  ASSERT_TRUE(analysis.has_chart) << analysis.reason;
+  EXPECT_EQ(analysis.series.num_features(), 3);
+  for (const StoredEvent& event : analysis.events) {
+    EXPECT_NE(event.kind, "alarm") << event.text;
+  }
+}
+
+TEST(WatchAnalysis, NamesTheModesThatMoved) {
+  const WatchAnalysis analysis =
+      AnalyseRecords(Structure(), Records(900, 700, -0.005));
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.Light(), WatchLight::kAlarm);
+  const auto alarm = std::find_if(
+      analysis.events.begin(), analysis.events.end(),
+      [](const StoredEvent& event) { return event.kind == "alarm"; });
+  ASSERT_NE(alarm, analysis.events.end());
+  const double days = (alarm->time - (1.7e9 + kRecordStep * 700)) / 86400.0;
+  EXPECT_GE(days, 0.0);
+  EXPECT_LT(days, 3.0);
+  // Mode 2 is the last of the three.
+  EXPECT_GT(alarm->text.find("mode 2"), alarm->text.find("mode 1"));
+  EXPECT_GT(alarm->text.find("mode 2"), alarm->text.find("mode 3"));
+  EXPECT_NE(alarm->text.find("deviations"), std::string::npos);
+}
+
+TEST(WatchAnalysis, AnAlarmEnds) {
+  std::vector<StoredRecord> records = Records(1100, 700, -0.01);
+  const std::vector<StoredRecord> well = Records(1100, 1100, 0.0);
+  std::copy(well.begin() + 750, well.end(), records.begin() + 750);
+  const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.lights[740], WatchLight::kAlarm);
+  EXPECT_NE(analysis.Light(), WatchLight::kAlarm);
+  EXPECT_TRUE(std::any_of(
+      analysis.events.begin(), analysis.events.end(),
+      [](const StoredEvent& event) { return event.kind == "all-clear"; }));
+}
+
+TEST(WatchAnalysis, TheOrderOfArrivalDoesNotMatter) {
+  std::vector<StoredRecord> records = Records(800, 600, -0.004);
+  const WatchAnalysis one = AnalyseRecords(Structure(), records);
+  std::shuffle(records.begin(), records.end(), std::mt19937(3));
+  const WatchAnalysis other = AnalyseRecords(Structure(), records);
+  ASSERT_EQ(one.chart.size(), other.chart.size());
+  for (size_t r = 0; r < one.chart.size(); ++r) {
+    EXPECT_EQ(one.chart[r].average, other.chart[r].average);
+    EXPECT_EQ(one.lights[r], other.lights[r]);
+  }
+  ASSERT_EQ(one.events.size(), other.events.size());
+  for (size_t i = 0; i < one.events.size(); ++i) {
+    EXPECT_EQ(one.events[i].text, other.events[i].text);
+  }
+  EXPECT_EQ(one.thresholds.alarm.t2, other.thresholds.alarm.t2);
+}
+
+TEST(WatchAnalysis, SaysThatAWinterIsOutsideOfTheRange) {
+  const WatchAnalysis analysis =
+      AnalyseRecords(Structure(1.0), Records(700, 600, 0.0, 15.0));
+  ASSERT_TRUE(analysis.has_chart);
+  bool is_said = false;
+  for (const StoredEvent& event : analysis.events) {
+    EXPECT_NE(event.kind, "alarm") << event.text;
+    is_said = is_said || event.text.find("outside of the learned range") !=
+                             std::string::npos;
+  }
+  EXPECT_TRUE(is_said);
+}
+
+TEST(WatchAnalysis, NamesFaultySensorsFirst) {
+  std::vector<StoredRecord> records = Records(900, 700, -0.01);
+  for (size_t r = 700; r < 900; ++r) {
+    records[r].channels.push_back({"c", "is dead."});
+  }
+  const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
+  const auto alarm = std::find_if(
+      analysis.events.begin(), analysis.events.end(),
+      [](const StoredEvent& event) { return event.kind == "alarm"; });
+  ASSERT_NE(alarm, analysis.events.end());
+  EXPECT_LT(alarm->text.find("channel 'c' is left out"),
+            alarm->text.find("mode "));
+}
+
+TEST(WatchAnalysis, LearnsUntilTheReferenceIsComplete) {
+  const WatchAnalysis analysis =
+      AnalyseRecords(Structure(), Records(499, 499, 0.0));
+  EXPECT_FALSE(analysis.has_chart);
+  EXPECT_EQ(analysis.Light(), WatchLight::kLearning);
+  EXPECT_NE(analysis.reason.find("not complete"), std::string::npos);
+}
+
+TEST(WatchAnalysis, TakesTheLongestOfRecordsOfOneTime) {
+  std::vector<StoredRecord> records = Records(600, 600, 0.0);
+  StoredRecord part = records[550];
+  part.content = "part";
+  part.duration = 60.0;
+  records.push_back(part);
+  StoredRecord refused = records[10];
+  refused.content = "refused";
+  refused.refusal = "no modes";
+  records.push_back(refused);
+  const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
+  EXPECT_EQ(analysis.records.size(), 600u);
+  EXPECT_EQ(analysis.num_repeated, 1);
+  EXPECT_EQ(analysis.num_refused, 1);
+  EXPECT_EQ(analysis.records[550].duration, 600.0);
+}
+
+}  // namespace
+}  // namespace pinode

@@ -1,0 +1,191 @@
+#include "pinode/watch/watch_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "pinode/base/file.h"
+#include "pinode/base/strings.h"
+#include "pinode/case/text/csv_file.h"
+#include "pinode/watch/watch.h"
+
+namespace pinode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Factor of the standard deviation for 95 %.
+constexpr double kTwoSigma = 1.96;
+
+std::string Line(const std::vector<std::string>& cells) {
+  return Join(cells, ",") + "\n";
+}
+
+std::string HistoriesAsCsv(const WatchAnalysis& analysis) {
+  const FeatureSeries& series = analysis.series;
+  std::vector<std::string> header = {"time", "record", "light"};
+  for (Eigen::Index f = 0; f < series.num_features(); ++f) {
+    const std::string mode = "mode_" + std::to_string(f + 1);
+    header.push_back(mode + "_hz");
+    header.push_back(mode + "_sigma_hz");
+    if (!analysis.has_chart) continue;
+    header.push_back(mode + "_expected_hz");
+    header.push_back(mode + "_expected_lower95_hz");
+    header.push_back(mode + "_expected_upper95_hz");
+  }
+  for (const std::string& name : series.covariate_names) {
+    header.push_back(CsvCell(name));
+  }
+  if (analysis.has_chart) header.insert(header.end(), {"t2", "average"});
+  std::string text = Line(header);
+  for (Eigen::Index r = 0; r < series.num_records(); ++r) {
+    const size_t at = static_cast<size_t>(r);
+    std::vector<std::string> row = {
+        DateText(series.times[r]), CsvCell(analysis.records[at].name),
+        analysis.lights.empty() ? "learning"
+                                : WatchLightName(analysis.lights[at])};
+    for (Eigen::Index f = 0; f < series.num_features(); ++f) {
+      const double hz = std::exp(series.values(r, f));
+      row.push_back(CsvCell(hz));
+      row.push_back(CsvCell(hz * series.sigmas(r, f)));
+      if (!analysis.has_chart) continue;
+      const double expected = analysis.expected(r, f);
+      const double half = kTwoSigma * analysis.expected_deviations(r, f);
+      row.push_back(CsvCell(std::exp(expected)));
+      row.push_back(CsvCell(std::exp(expected - half)));
+      row.push_back(CsvCell(std::exp(expected + half)));
+    }
+    for (Eigen::Index c = 0; c < series.covariates.cols(); ++c) {
+      row.push_back(CsvCell(series.covariates(r, c)));
+    }
+    if (analysis.has_chart) {
+      row.push_back(CsvCell(analysis.chart[at].t2));
+      row.push_back(CsvCell(analysis.chart[at].average));
+    }
+    text += Line(row);
+  }
+  return text;
+}
+
+std::string EventsAsCsv(const WatchAnalysis& analysis) {
+  std::string text = "time,kind,text\n";
+  for (const StoredEvent& event : analysis.events) {
+    text += Line({DateText(event.time), event.kind, CsvCell(event.text)});
+  }
+  return text;
+}
+
+Json LimitAsJson(double limit, double lower, double upper) {
+  return {{"limit", limit}, {"lower95", lower}, {"upper95", upper}};
+}
+
+Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
+  Json json;
+  json["schema"] = "pinode-watch-1";
+  json["structure"] = structure.name;
+  json["light"] = WatchLightName(analysis.Light());
+  json["reason"] = analysis.reason;
+  json["records"] = analysis.records.size();
+  json["refused_records"] = analysis.num_refused;
+  json["repeated_records"] = analysis.num_repeated;
+  json["reference_records"] = std::count(analysis.is_reference.begin(),
+                                         analysis.is_reference.end(), true);
+  json["histories"] = analysis.num_histories;
+  Json features = Json::array();
+  for (Eigen::Index f = 0; f < analysis.series.num_features(); ++f) {
+    Json feature = {{"name", analysis.series.names[static_cast<size_t>(f)]},
+                    {"reference_hz", analysis.reference_hz[f]}};
+    if (analysis.has_chart) {
+      feature["scatter"] = std::sqrt(analysis.model.scatter(f, f));
+      feature["noise"] = analysis.model.noise_deviations[f];
+    }
+    features.push_back(std::move(feature));
+  }
+  json["features"] = std::move(features);
+  if (analysis.has_chart) {
+    const ChartThresholds& thresholds = analysis.thresholds;
+    json["chart"] = {
+        {"false_alarms_per_year", structure.chart.false_alarms_per_year},
+        {"reference_years", thresholds.reference_years},
+        {"scatter_memory_days", analysis.model.memory / 86400.0},
+        {"t2", LimitAsJson(thresholds.alarm.t2, thresholds.lower95.t2,
+                           thresholds.upper95.t2)},
+        {"average",
+         LimitAsJson(thresholds.alarm.average, thresholds.lower95.average,
+                     thresholds.upper95.average)},
+        {"t2_notice", thresholds.notice.t2},
+        {"average_notice", thresholds.notice.average}};
+  }
+  Json events = Json::array();
+  for (const StoredEvent& event : analysis.events) {
+    events.push_back({{"time", DateText(event.time)},
+                      {"kind", event.kind},
+                      {"text", event.text}});
+  }
+  json["events"] = std::move(events);
+  return json;
+}
+
+std::string LimitText(double limit, double lower, double upper) {
+  return FormatNumber(limit, 3) + " (95 %: " + FormatNumber(lower, 3) + " to " +
+         FormatNumber(upper, 3) + ")";
+}
+
+}  // namespace
+
+std::string WatchSummary(const WatchedStructure& structure,
+                         const WatchAnalysis& analysis) {
+  const auto count = std::count(analysis.is_reference.begin(),
+                                analysis.is_reference.end(), true);
+  std::string text = structure.name + ": " + WatchLightName(analysis.Light()) +
+                     ". " + std::to_string(analysis.records.size()) +
+                     " records, " + std::to_string(count) + " in the reference";
+  if (analysis.num_refused > 0) {
+    text += ", " + std::to_string(analysis.num_refused) + " refused";
+  }
+  text += ".\n";
+  if (!analysis.has_chart) {
+    return text + "No alarm can be raised: " + analysis.reason + ".\n";
+  }
+  const ChartThresholds& thresholds = analysis.thresholds;
+  text += "Watched: " + Join(analysis.series.names, ", ") + ".\n";
+  text += "Limits for " +
+          FormatNumber(structure.chart.false_alarms_per_year, 3) +
+          (structure.chart.false_alarms_per_year == 1.0
+               ? " false alarm per year: "
+               : " false alarms per year: ") +
+          "one record " +
+          LimitText(thresholds.alarm.t2, thresholds.lower95.t2,
+                    thresholds.upper95.t2) +
+          ", moving average " +
+          LimitText(thresholds.alarm.average, thresholds.lower95.average,
+                    thresholds.upper95.average) +
+          ".\n";
+  const double needed = 1.0 / structure.chart.false_alarms_per_year;
+  if (thresholds.reference_years < 0.8 * needed) {
+    text += "The reference of " +
+            FormatNumber(365.25 * thresholds.reference_years, 3) +
+            " days is shorter than the time between two false alarms, so the "
+            "true rate may be higher. Use a longer reference.\n";
+  }
+  return text;
+}
+
+bool WriteWatchFiles(const WatchedStructure& structure,
+                     const WatchAnalysis& analysis,
+                     const HtmlReportOptions& options,
+                     const std::string& folder, std::string* error) {
+  return WriteFileAtomically(folder + "/histories.csv",
+                             HistoriesAsCsv(analysis), error) &&
+         WriteFileAtomically(folder + "/alarms.csv", EventsAsCsv(analysis),
+                             error) &&
+         WriteFileAtomically(folder + "/watch.json",
+                             AsJson(structure, analysis).dump(2) + "\n",
+                             error) &&
+         WriteFileAtomically(folder + "/watch.html",
+                             RenderWatchPage(structure, analysis, options),
+                             error);
+}
+
+}  // namespace pinode
