@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """False alarms and detections of pinode_watch over simulated years.
 
-    tests/benchmarks/watch.py PROGRAM [--runs 8] [--step_hours 1] [--scatter 0.001]
+    tests/benchmarks/watch.py [--program P] [--runs 8] [--step_hours 1] [--scatter 0.001]
                               [--noise 0.002] [--loss 0.02] [--group 0] [--years 3]
                               [--growth_days 0] [--colder 0] [--missing 0.05]
 
 The structure is data/watched_bridge.  Its frequencies, not its records, go into
-a store, from which PROGRAM computes histories, chart and alarms.  Year 1 is the
+a store, from which the program computes histories, chart and alarms.  Year 1 is the
 reference; years 2 and 3 are counted.  Frequencies have the stated scatter (a
 law that the regression lacks, memory 1 day) and the noise of their estimates,
 and --missing of them are absent.
@@ -89,7 +89,7 @@ def day_of(event):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("program")
+    parser.add_argument("--program", default=ROOT / "build-release/apps/pinode_watch")
     parser.add_argument("--runs", type=int, default=8)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--years", type=int, default=3)
