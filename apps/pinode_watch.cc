@@ -9,11 +9,13 @@
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "apps/launcher.h"
 #include "apps/print.h"
@@ -85,14 +87,19 @@ void PrintRecord(const StoredRecord& record) {
   Print("\n");
 }
 
-// The events that were printed already are those before `printed`.
-void PrintEvents(const WatchAnalysis& analysis, double* printed) {
+// Prints the events that the last run did not know: whoever is called by an
+// alarm is called once.
+void PrintEvents(const std::vector<StoredEvent>& known,
+                 const WatchAnalysis& analysis) {
   for (const StoredEvent& event : analysis.events) {
-    if (event.time <= *printed) continue;
+    const bool is_known = std::any_of(
+        known.begin(), known.end(), [&event](const StoredEvent& other) {
+          return other.time == event.time && other.kind == event.kind;
+        });
+    if (is_known) continue;
     Print("%s %s: %s\n", DateText(event.time).c_str(), event.kind.c_str(),
           event.text.c_str());
   }
-  if (!analysis.events.empty()) *printed = analysis.events.back().time;
 }
 
 // Returns the exit status.
@@ -133,7 +140,6 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
     PrintError("%s", message.c_str());
   };
   calls.interrupted = Interrupted;
-  double printed = -kInfinity;
   for (bool first = true;; first = false) {
     WatchCounts counts;
     std::string error;
@@ -142,11 +148,13 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
       return Refuse(error);
     }
     if (first || counts.stored > 0) {
+      std::vector<StoredEvent> known;
       WatchAnalysis analysis;
-      if (!AnalyseStore(structure, id, store, &analysis, &error)) {
+      if (!store->Events(id, &known, &error) ||
+          !AnalyseStore(structure, id, store, &analysis, &error)) {
         return Refuse(error);
       }
-      PrintEvents(analysis, &printed);
+      PrintEvents(known, analysis);
       Print("%d files, %d new. %s", counts.files, counts.stored,
             WatchSummary(structure, analysis).c_str());
       std::fflush(stdout);

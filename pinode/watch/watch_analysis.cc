@@ -147,6 +147,44 @@ std::string Percent(double fraction) {
   return text;
 }
 
+// Tells when a feature was not found for long: a change may be so large that
+// its mode begins another history.
+class AbsenceKeeper {
+ public:
+  AbsenceKeeper(const FeatureSeries& series, double clear_days)
+      : series_(series),
+        limit_(clear_days * kDay),
+        last_seen_(Vector::Constant(series.num_features(), kNaN)),
+        is_absent_(static_cast<size_t>(series.num_features()), false) {}
+
+  // Returns the names of the features that have become absent with this record.
+  std::vector<std::string> Add(Eigen::Index record) {
+    std::vector<std::string> absent;
+    const double time = series_.times[record];
+    for (Eigen::Index f = 0; f < series_.num_features(); ++f) {
+      const size_t at = static_cast<size_t>(f);
+      if (!std::isnan(series_.values(record, f))) {
+        last_seen_[f] = time;
+        is_absent_[at] = false;
+      } else if (!is_absent_[at] && time - last_seen_[f] >= limit_) {
+        is_absent_[at] = true;
+        absent.push_back(series_.names[at]);
+      }
+    }
+    return absent;
+  }
+  bool Any() const {
+    return std::find(is_absent_.begin(), is_absent_.end(), true) !=
+           is_absent_.end();
+  }
+
+ private:
+  const FeatureSeries& series_;
+  double limit_;
+  Vector last_seen_;
+  std::vector<bool> is_absent_;
+};
+
 // Raises alarms and ends them.
 class AlarmKeeper {
  public:
@@ -156,6 +194,7 @@ class AlarmKeeper {
       : options_(structure.chart),
         innovations_(innovations),
         analysis_(*analysis),
+        absences_(analysis->series, structure.chart.clear_days),
         covariance_(CovarianceWithOutside(analysis->model)),
         average_(analysis->series.num_features(), covariance_.rows(),
                  structure.chart.memory_days * kDay) {}
@@ -165,15 +204,35 @@ class AlarmKeeper {
     double last = kNaN;
     for (size_t r = 0; r < innovations_.size(); ++r) {
       time_ = analysis_.series.times[static_cast<Eigen::Index>(r)];
-      if (innovations_[r].valid) {
-        average_.Add(std::isnan(last) ? 0.0 : time_ - last, innovations_[r]);
+      const bool is_charted = innovations_[r].valid;
+      if (is_charted) {
+        const double step = std::isnan(last) ? 0.0 : time_ - last;
+        average_.Add(step, innovations_[r]);
+        quiet_ += std::min(step, kDay);
         last = time_;
       }
+      const std::vector<std::string> absent =
+          absences_.Add(static_cast<Eigen::Index>(r));
       if (time_ <= reference_end) {
         analysis_.lights.push_back(WatchLight::kLearning);
         continue;
       }
-      Judge(r);
+      if (!absent.empty()) {
+        AddEvent("notice", "not found for " +
+                               FormatNumber(options_.clear_days, 3) +
+                               " days: " + Join(absent, ", ") +
+                               "; look whether another mode has taken its "
+                               "place");
+      }
+      if (is_charted) {
+        is_blind_ = false;
+        Judge(r);
+      } else if (!is_blind_ && time_ - last >= options_.clear_days * kDay) {
+        is_blind_ = true;
+        AddEvent("notice", BlindText(r));
+        if (light_ != WatchLight::kAlarm) light_ = WatchLight::kNotice;
+        last_notice_ = time_;
+      }
       analysis_.lights.push_back(light_);
     }
   }
@@ -203,9 +262,9 @@ class AlarmKeeper {
         AddEvent("alarm", AlarmText(r, outside));
       }
       light_ = WatchLight::kAlarm;
-      last_alarm_ = time_;
+      quiet_ = 0.0;
     } else if (light_ == WatchLight::kAlarm) {
-      if (time_ - last_alarm_ < options_.clear_days * kDay) return;
+      if (quiet_ < options_.clear_days * kDay) return;
       light_ = WatchLight::kNormal;
       AddEvent("all-clear", "no record exceeded the limits for " +
                                 FormatNumber(options_.clear_days, 3) + " days");
@@ -217,6 +276,9 @@ class AlarmKeeper {
       }
       light_ = WatchLight::kNotice;
       last_notice_ = time_;
+    } else if (absences_.Any()) {
+      light_ = WatchLight::kNotice;
+      last_notice_ = time_;
     } else if (light_ == WatchLight::kNotice &&
                time_ - last_notice_ >= options_.clear_days * kDay) {
       light_ = WatchLight::kNormal;
@@ -225,6 +287,21 @@ class AlarmKeeper {
 
   void AddEvent(const std::string& kind, const std::string& text) {
     analysis_.events.push_back({time_, kind, text});
+  }
+
+  // Returns a sentence on what the chart lacks.
+  std::string BlindText(size_t r) const {
+    const FeatureSeries& series = analysis_.series;
+    std::vector<std::string> missing;
+    for (Eigen::Index c = 0; c < series.covariates.cols(); ++c) {
+      if (std::isnan(series.covariates(static_cast<Eigen::Index>(r), c))) {
+        missing.push_back(series.covariate_names[static_cast<size_t>(c)]);
+      }
+    }
+    return "no alarm could be raised for " +
+           FormatNumber(options_.clear_days, 3) + " days, because " +
+           (missing.empty() ? std::string("no watched mode was found")
+                            : Join(missing, ", ") + " is missing");
   }
 
   // Returns a sentence on covariates outside of the learned range.
@@ -285,11 +362,16 @@ class AlarmKeeper {
   const ChartOptions& options_;
   const std::vector<Innovation>& innovations_;
   WatchAnalysis& analysis_;
+  AbsenceKeeper absences_;
   const Matrix covariance_;
   ScoreAverage average_;
   double time_ = 0.0;
   WatchLight light_ = WatchLight::kNormal;
-  double last_alarm_ = 0.0;
+  // Time since the last exceedance, s. A gap counts as a day at most: without
+  // records nothing is quiet.
+  double quiet_ = 0.0;
+  // True if there was no chart for long.
+  bool is_blind_ = false;
   double last_notice_ = 0.0;
 };
 

@@ -141,6 +141,40 @@ TEST(WatchAnalysis, NamesFaultySensorsFirst) {
             alarm->text.find("mode "));
 }
 
+// Without a thermometer nothing is normal, and no alarm ends.
+TEST(WatchAnalysis, SaysThatACovariateIsMissing) {
+  for (const double change : {0.0, -0.01}) {
+    std::vector<StoredRecord> records = Records(800, 600, change);
+    for (size_t r = 650; r < 800; ++r) records[r].covariates.clear();
+    const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
+    ASSERT_TRUE(analysis.has_chart);
+    EXPECT_EQ(analysis.Light(),
+              change < 0.0 ? WatchLight::kAlarm : WatchLight::kNotice);
+    ASSERT_FALSE(analysis.events.empty());
+    EXPECT_NE(analysis.events.back().text.find("temperature is missing"),
+              std::string::npos)
+        << analysis.events.back().text;
+  }
+}
+
+// A frequency that leaves its history raises no score.
+TEST(WatchAnalysis, SaysThatAModeIsGone) {
+  std::vector<StoredRecord> records = Records(700, 700, 0.0);
+  for (size_t r = 600; r < 700; ++r) records[r].modes.pop_back();
+  const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.Light(), WatchLight::kNotice);
+  const auto notice = std::find_if(
+      analysis.events.begin(), analysis.events.end(),
+      [](const StoredEvent& event) {
+        return event.text.find("not found for 7 days: mode 3") == 0;
+      });
+  ASSERT_NE(notice, analysis.events.end());
+  // It was there last in record 599.
+  EXPECT_NEAR(notice->time, 1.7e9 + kRecordStep * 599 + 7.0 * 86400.0,
+              kRecordStep);
+}
+
 TEST(WatchAnalysis, LearnsUntilTheReferenceIsComplete) {
   const WatchAnalysis analysis =
       AnalyseRecords(Structure(), Records(499, 499, 0.0));

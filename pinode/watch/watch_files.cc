@@ -144,7 +144,12 @@ std::string WatchSummary(const WatchedStructure& structure,
   if (analysis.num_refused > 0) {
     text += ", " + std::to_string(analysis.num_refused) + " refused";
   }
-  text += ".\n";
+  text += ".";
+  if (!analysis.records.empty()) {
+    text += " The last one with modes is of " +
+            DateText(analysis.records.back().time) + ".";
+  }
+  text += "\n";
   if (!analysis.has_chart) {
     return text + "No alarm can be raised: " + analysis.reason + ".\n";
   }

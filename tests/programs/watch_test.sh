@@ -77,6 +77,7 @@ grep -q '<svg' D/watch.html || Fail "no figure"
 # All is known now.
 Run 0 pinode_watch --structure=watched_bridge.toml --store=w.db --once
 grep -q ' 0 new' stdout || Fail "expected nothing new"
+! grep -q ' alarm: ' stdout || Fail "an alarm is printed again"
 Run 2 pinode_watch --structure=watched_bridge.toml --store=w.db --once \
   --output_dir=D
 grep -q exists stderr || Fail "the folder was replaced"
