@@ -27,7 +27,7 @@ GALLERY = pathlib.Path("pinode/site/gallery.md")
 # Sections of the index, in their order: title, pages.
 CONTENTS = [
     ("Use", ["Start <README>", "pinode/site/gallery", "pinode/case/first_case/README", "pinode/case/recipes", "pinode/case/README",
-             "pinode/case/security",
+             "pinode/case/security", "pinode/watch/README",
              "pinode/python/README", "tutorials", "pinode/coming_from", "pinode/matlab", "pinode/when_a_fit_does_not_work",
              "apps/README"]),
     ("Method", ["pinode/theory/README", "pinode/scaling", "data/README", "tests/benchmarks/README"]),

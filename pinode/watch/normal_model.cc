@@ -286,7 +286,7 @@ class Learner {
       weights += decay * decay;
     }
     if (weights > 0.0) scatter /= weights;
-    // Of a feature, neither the scatter nor the noise is quite zero.
+    // Neither the scatter nor the noise of a feature is quite zero.
     scatter = WithoutNegative(scatter);
     for (Eigen::Index f = 0; f < scatter.rows(); ++f) {
       const double most = 0.98 * total(f, f);

@@ -68,7 +68,7 @@ struct NormalModel {
                                const std::vector<bool>& is_reference,
                                NormalModel* model, std::string* error);
 
-// What a record adds to the knowledge of a change of the features.
+// Information of one record about a change of the features.
 struct Innovation {
   // False if a covariate or all features are missing.
   bool valid = false;

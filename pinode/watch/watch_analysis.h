@@ -14,7 +14,7 @@
 
 namespace pinode {
 
-// What an owner sees first.
+// State of the structure in one word.
 enum class WatchLight { kLearning, kNormal, kNotice, kAlarm };
 // Returns "learning", "normal", "notice" or "alarm".
 const char* WatchLightName(WatchLight light);
