@@ -403,13 +403,19 @@ void AnalyseSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
   }
   const std::vector<Innovation> innovations =
       FilterSeries(analysis->series, analysis->model);
-  std::vector<Innovation> reference = innovations;
-  for (size_t r = 0; r < reference.size(); ++r) {
-    reference[r].valid = reference[r].valid && analysis->is_reference[r];
+  std::vector<Innovation> reference;
+  std::vector<double> times;
+  for (size_t r = 0; r < innovations.size(); ++r) {
+    if (!innovations[r].valid || !analysis->is_reference[r]) continue;
+    reference.push_back(innovations[r]);
+    times.push_back(analysis->series.times[static_cast<Eigen::Index>(r)]);
   }
-  if (!FindThresholds(reference, analysis->series.times, analysis->model.memory,
-                      structure.chart, &analysis->thresholds,
-                      &analysis->reason)) {
+  if (!FindThresholds(
+          reference,
+          Eigen::Map<const Vector>(times.data(),
+                                   static_cast<Eigen::Index>(times.size())),
+          analysis->model.memory, structure.chart, &analysis->thresholds,
+          &analysis->reason)) {
     return;
   }
   analysis->chart = MakeChart(innovations, analysis->series.times,
