@@ -6,19 +6,9 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/discover/quadratic_face.h"
 
 namespace pinode {
-
-// Negative log-likelihood near its minimum,
-//
-//   f(theta) = gradient' theta + 1/2 theta' hessian theta + constant,
-//
-// such as that of multiple shooting for the coefficients of a library in the
-// equation of motion. There theta = 0 is the model without the candidates.
-struct QuadraticCost {
-  Vector gradient;  // at theta = 0
-  Matrix hessian;   // positive semidefinite
-};
 
 struct StepwiseOptions {
   // Per entry: the gain in 2 f that it must exceed, a flag that it may be left
@@ -50,6 +40,18 @@ struct StepwiseOptions {
 std::vector<int> SelectStepwise(const QuadraticCost& cost,
                                 const StepwiseOptions& options,
                                 const std::vector<int>& start);
+
+// Returns the support to which the first four of these steps lead from `start`
+// if entry `banned` stays out. Descends once: the result is a rival of `start`,
+// not the best of all.
+std::vector<int> SelectWithout(const QuadraticCost& cost,
+                               const StepwiseOptions& options,
+                               const std::vector<int>& start, int banned);
+
+// Returns true if an entry of a cost scaled by `scales` may have this value by
+// the options' signs and smallest values.
+bool IsAllowedValue(const StepwiseOptions& options, const Vector& scales, int j,
+                    double value);
 
 // Returns the minimum over the entries in `support`, the others being 0.
 Vector MinimizeOn(const QuadraticCost& cost, const std::vector<int>& support);

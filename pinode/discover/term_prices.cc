@@ -30,6 +30,33 @@ TermPrices::TermPrices(Eigen::Index num_values,
   }
 }
 
+TermPrices TermPrices::AtRatesOf(
+    Eigen::Index num_values, const std::vector<DiscoveredEquation>& equations) {
+  std::map<int, int> candidates;
+  std::map<int, int> terms;
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      ++candidates[candidate.degree];
+      terms[candidate.degree] +=
+          std::any_of(equation.terms.begin(), equation.terms.end(),
+                      [&candidate](const DiscoveredTerm& term) {
+                        return term.basis == candidate.basis;
+                      });
+    }
+  }
+  TermPrices prices;
+  prices.of_a_parameter_ = ExtendedBicPrice(num_values, 1, 1.0);
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      const double k = terms[candidate.degree];
+      const double odds = (candidates[candidate.degree] - k + 1.0) / (k + 1.0);
+      prices.prices_[KeyOf(equation, candidate.basis)] =
+          std::max(0.0, ExtendedBicPrice(num_values, 1, odds));
+    }
+  }
+  return prices;
+}
+
 double TermPrices::Of(const DiscoveredEquation& equation,
                       const DiscoveredTerm& term) const {
   if (term.given) return 0.0;

@@ -37,6 +37,17 @@ class TermPrices {
   TermPrices(Eigen::Index num_values,
              const std::vector<DiscoveredEquation>& equations);
 
+  // Computes prices at the rates at which the kinds have terms in `equations`,
+  // of which the rule of succession is the estimate (P. S. Laplace 1774):
+  //
+  //   ln(number of fitted values) + 2 ln((p - k + 1) / (k + 1)),
+  //
+  // p candidates of the kind, k of them terms. The prices above keep false
+  // terms out, and so favour the smaller of two equations. These prices favour
+  // neither, and exp(-price / 2) are odds (J. G. Scott, J. O. Berger 2010).
+  static TermPrices AtRatesOf(Eigen::Index num_values,
+                              const std::vector<DiscoveredEquation>& equations);
+
   // Returns 0 for a given term, and ln(number of fitted values) for one that is
   // no candidate.
   double Of(const DiscoveredEquation& equation,

@@ -50,6 +50,22 @@ TEST_F(TermPricesTest, AreSharedByTheKindsAndThenByTheirCandidates) {
   EXPECT_DOUBLE_EQ(prices.Of(equations_[1], Term("sin(x)")), std::log(100.0));
 }
 
+// With one of four quadratic candidates a term, the beta-binomial prior of the
+// number of terms, 1 / C(4, k), changes by C(4, 1) / C(4, 0) = 4 and by
+// C(4, 2) / C(4, 1) = 1.5. The price lies between these.
+TEST_F(TermPricesTest, FollowTheRateAtWhichAKindHasTerms) {
+  equations_[0].terms = {Term("x"), Term("x^2")};
+  equations_[1].terms = {Term("x")};
+  const TermPrices prices = TermPrices::AtRatesOf(100, equations_);
+  const double of_one = std::log(100.0);
+  EXPECT_DOUBLE_EQ(prices.Of(equations_[0], Term("x*v")),
+                   of_one + 2.0 * std::log(4.0 / 2.0));
+  EXPECT_DOUBLE_EQ(prices.Of(equations_[1], Term("x")),
+                   of_one + 2.0 * std::log(1.0 / 3.0));
+  EXPECT_DOUBLE_EQ(prices.Of(equations_[0], Term("sin(x)")),
+                   of_one + 2.0 * std::log(2.0));
+}
+
 TEST_F(TermPricesTest, AreNotAskedOfGivenTerms) {
   const TermPrices prices(100, equations_);
   equations_[0].terms = {Term("x"), Term("x^2")};
