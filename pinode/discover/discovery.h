@@ -120,6 +120,9 @@ struct DiscoveredTerm {
   // Fraction of the ensemble's bags that select the term, 0 to 1; NaN without
   // an ensemble.
   double inclusion_probability = 0.0;
+  // Probability of the term among all sets of terms that describe the records
+  // about as well, by the refit; NaN without a refit that searches.
+  double probability = std::numeric_limits<double>::quiet_NaN();
   bool given = false;  // True if a constraint fixes the coefficient.
   int sign = 0;        // Sign that a constraint requires, 1 or -1. 0: either.
 
@@ -142,6 +145,8 @@ struct DiscoveryCandidate {
   double rms = 0.0;            // RMS of the function over the samples
   int sign = 0;                // see DiscoveredTerm::sign
   int degree = kNotAMonomial;  // total degree; 0: constant
+  // Probability that it is a term, see DiscoveredTerm::probability.
+  double probability = std::numeric_limits<double>::quiet_NaN();
 };
 
 // One point of the Pareto curve: the best equation with this number of terms.
@@ -188,6 +193,23 @@ struct DiscoveredEquation {
   Matrix sample_features;
   Vector sample_outputs;
 };
+
+// A set of terms that lacks a chosen one and describes the records nearly as
+// well.
+struct TermRival {
+  // Terms that it leaves out and takes in, such as "u1: x[u1]^3".
+  std::vector<std::string> without;
+  std::vector<std::string> with;
+  // Natural logarithm of its odds relative to the chosen terms. It allows for
+  // the number of terms and the correlation of residuals from sample to sample.
+  double log_odds = 0.0;
+  // True: it was fitted to the trajectories. False: the odds follow from the
+  // cost near the fit of the chosen terms.
+  bool fitted = false;
+};
+
+// Probability below which a chosen term counts as uncertain.
+inline constexpr double kCertainTerm = 0.95;
 
 // Finds an equation for each output of each network of `problem`, as trained in
 // `model`. The output along the predicted states of the training records is

@@ -246,16 +246,19 @@ class PageMaker {
     Data equations = PageList();
     for (size_t e = 0; e < equations_.size(); ++e) {
       const DiscoveredEquation& equation = equations_[e];
+      bool compared = false;
       bool any_probability = false;
       for (const DiscoveredTerm& term : equation.terms) {
         any_probability =
             any_probability || std::isfinite(term.inclusion_probability);
+        compared = compared || std::isfinite(term.probability);
       }
       std::vector<TextTable::Column> columns = {
           {"term", Align::kLeft},
           {"coefficient", Align::kDecimal},
           {"95 %, \u00b1", Align::kDecimal},
           {"regressed", Align::kDecimal}};
+      if (compared) columns.push_back({"probability", Align::kDecimal});
       if (any_probability) {
         columns.push_back({"inclusion probability", Align::kDecimal});
       }
@@ -270,6 +273,7 @@ class PageMaker {
             term.basis, number(term.coefficient, 5),
             number(0.5 * (term.upper95 - term.lower95), 2),
             number(term.regressed, 5)};
+        if (compared) row.push_back(number(term.probability, 2));
         if (any_probability) {
           row.push_back(number(term.inclusion_probability, 2));
         }

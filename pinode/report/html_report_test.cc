@@ -253,6 +253,10 @@ TEST(HtmlReport, ShowsEquations) {
   html = RenderHtmlReport(example->input, WithoutGnuplot());
   ExpectSelfContained(html);
   EXPECT_THAT(html, HasSubstr("inclusion probability"));
+  equations[0].terms[0].probability = 0.8642;
+  html = RenderHtmlReport(example->input, WithoutGnuplot());
+  EXPECT_THAT(html, HasSubstr(">probability<"));
+  EXPECT_THAT(html, HasSubstr("0.86"));
 }
 
 TEST(HtmlReport, ShowsForcesThatNobodyMeasured) {

@@ -56,6 +56,17 @@ std::string Digits(const DiscoveredTerm& term) {
   return FormatNumber(term.coefficient, digits);
 }
 
+// "without u1: x[u1]^3, with u1: x[u1]*v[u1]^2".
+std::string RivalAsText(const TermRival& rival) {
+  std::string text;
+  if (!rival.without.empty()) text += "without " + Join(rival.without, ", ");
+  if (!rival.with.empty()) {
+    text += std::string(text.empty() ? "" : "; ") + "with " +
+            Join(rival.with, ", ");
+  }
+  return text;
+}
+
 constexpr char kCheckpointSchema[] = "pinode-discover-checkpoint-1";
 
 // Finds the term `basis` of an equation as regressed or as a candidate; false
@@ -170,8 +181,26 @@ std::string EquationsAsText(const Discovery& discovery) {
                 FormatNumber(0.5 * (term.upper95 - term.lower95), 3);
       }
       text += "    unit " + term.unit + ", regressed " +
-              FormatNumber(term.regressed, 5) + "\n";
+              FormatNumber(term.regressed, 5);
+      if (term.probability < kCertainTerm) {
+        text += ", uncertain: probability " +
+                FormatNumber(100.0 * term.probability, 2) + " %";
+      }
+      text += "\n";
     }
+  }
+  // Rivals of terms that are certain are in discover.json only.
+  constexpr double kSmallestOdds = 1.0 / 19.0;
+  constexpr int kMostRivals = 5;
+  int count = 0;
+  for (const TermRival& rival : discovery.rivals) {
+    const double odds = std::exp(rival.log_odds);
+    if (odds < kSmallestOdds || count == kMostRivals) break;
+    if (count == 0)
+      text += "\nOther terms describe the records nearly as well:\n";
+    ++count;
+    text +=
+        "    odds " + FormatNumber(odds, 2) + ": " + RivalAsText(rival) + "\n";
   }
   return text;
 }
@@ -206,6 +235,13 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
   json["step_refinement"] = discovery.step_refinement;
   json["dropped"] = discovery.dropped;
   json["added"] = discovery.added;
+  json["rivals"] = Json::array();
+  for (const TermRival& rival : discovery.rivals) {
+    json["rivals"].push_back({{"without", rival.without},
+                              {"with", rival.with},
+                              {"log_odds", Number(rival.log_odds)},
+                              {"fitted", rival.fitted}});
+  }
   json["equations"] = Json::array();
   for (size_t e = 0; e < discovery.equations.size(); ++e) {
     const DiscoveredEquation& equation = discovery.equations[e];
@@ -229,6 +265,7 @@ std::string DiscoveryAsJson(const Discovery& discovery) {
            {"unit", term.unit},
            {"from_network", Number(term.regressed)},
            {"share", Number(term.share)},
+           {"probability", Number(term.probability)},
            {"inclusion_probability", Number(term.inclusion_probability)}});
     }
     entry["pareto"] = Json::array();

@@ -20,11 +20,12 @@ std::string EquationsAsLatex(const Discovery& discovery);
 // {"schema": "pinode-discover-1", "refitted", the keys of verdict_json.h,
 //  "message",
 //  "step_refinement", "dropped": [...], "added": [...],
+//  "rivals": [{"without": [...], "with": [...], "log_odds", "fitted"}],
 //  "equations": [{"output", "network", "acts_as", "output_rms", "residual",
 //                 "uncertainty", "candidates",
 //                 "terms": [{"basis", "coefficient", "lower95", "upper95",
 //                            "sigma", "unit", "from_network", "share",
-//                            "inclusion_probability"}],
+//                            "probability", "inclusion_probability"}],
 //                 "pareto": [{"terms", "residual", "bic"}]}]}
 // Numbers that are not known are null.
 std::string DiscoveryAsJson(const Discovery& discovery);

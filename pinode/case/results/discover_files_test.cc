@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,6 +16,7 @@ namespace pinode {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A cubic spring in place of a network.
 class DiscoverFiles : public ::testing::Test {
@@ -54,6 +56,25 @@ TEST_F(DiscoverFiles, HoldTheEquations) {
   EXPECT_THAT(EquationsAsText(discovery), HasSubstr("-1.8 * x[u]^3"));
   EXPECT_THAT(EquationsAsLatex(discovery),
               HasSubstr("g_{\\mathrm{u}} &= -1.8\\,x_{\\mathrm{u}}^{3}"));
+}
+
+TEST_F(DiscoverFiles, NameTheRivalsOfAnUncertainTerm) {
+  equation_.terms[0].probability = 0.625;
+  Discovery discovery = WithoutRefit(problem_, {equation_});
+  discovery.rivals = {{{"u: x[u]^3"}, {"u: x[u]^5"}, std::log(0.5), true},
+                      {{"u: x[u]^3"}, {}, std::log(0.02), false}};
+  const nlohmann::json json = nlohmann::json::parse(DiscoveryAsJson(discovery));
+  EXPECT_EQ(json["equations"][0]["terms"][0]["probability"], 0.625);
+  ASSERT_EQ(json["rivals"].size(), 2u);
+  EXPECT_EQ(json["rivals"][0]["without"][0], "u: x[u]^3");
+  EXPECT_EQ(json["rivals"][0]["with"][0], "u: x[u]^5");
+  EXPECT_EQ(json["rivals"][0]["log_odds"], std::log(0.5));
+  EXPECT_EQ(json["rivals"][0]["fitted"], true);
+  const std::string text = EquationsAsText(discovery);
+  EXPECT_THAT(text, HasSubstr("uncertain: probability 62 %"));
+  EXPECT_THAT(text, HasSubstr("odds 0.5: without u: x[u]^3; with u: x[u]^5"));
+  // Small odds doubt nothing.
+  EXPECT_THAT(text, Not(HasSubstr("odds 0.02")));
 }
 
 TEST_F(DiscoverFiles, CheckpointKeepsTermsAndCoefficients) {

@@ -223,9 +223,17 @@ class Discovery(Outcome):
     @property
     def equations(self) -> list[dict[str, Any]]:
         """Terms of the equations by output: basis, coefficient, lower95, upper95,
-        unit.
+        unit, probability.
         """
         return self._found["equations"]
+
+    @property
+    def rivals(self) -> list[dict[str, Any]]:
+        """Other sets of terms that describe the records about as well, most likely
+        first: `without` and `with` (terms that leave and enter), `log_odds` relative
+        to the chosen terms, and `fitted`.
+        """
+        return self._found["rivals"]
 
     @property
     def discovery_json(self) -> dict[str, Any]:

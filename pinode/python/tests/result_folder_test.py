@@ -105,6 +105,9 @@ def test_of_a_discovery(refit, tmp_path):
     folder = pinode.read_result(tmp_path / "out")
     assert folder.kind == "discovery" and folder.discovery == found.discovery_json
     assert folder.equations == found.equations and folder.terms == found.terms
+    (term,) = [t for t in found.equations[0]["terms"] if t["basis"] == "x[u1]^3"]
+    assert found.rivals == found.discovery_json["rivals"]
+    assert (term["probability"] > 0.95) if refit else (term["probability"] is None)
     assert "x[u1]^3" in folder._repr_html_()
     assert folder.case.dofs == ["u1"]
     # The program leaves no fit where there was none.

@@ -170,6 +170,7 @@ class MainJob {
     if (sound) add(CheckDoubts(fit_));
     if (fit_.termination != Termination::kFailure &&
         fit_.termination != Termination::kInterrupted) {
+      add(extras_.findings);
       add(CheckAgainstProblem(problem_, fit_, model_));
       add(CheckUnknownForces(problem_, fit_));
       explained = Explain(problem_, options_, fit_, model_, &inner_);

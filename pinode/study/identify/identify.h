@@ -10,6 +10,7 @@
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identification_summary.h"
 #include "pinode/problem/identified_model.h"
+#include "pinode/problem/verdict.h"
 #include "pinode/study/problem/identification_watch.h"
 #include "pinode/study/terms/model_candidate.h"
 
@@ -31,6 +32,9 @@ struct IdentificationExtras {
   // Terms of the problem that stay only if the training records support them.
   // Empty: all terms stay.
   std::vector<ModelCandidate> candidates;
+  // Findings of earlier checks, such as those on discovered terms. The verdict
+  // follows from these too.
+  std::vector<Finding> findings;
   // Finite-element model that was reduced to the problem's model. nullptr:
   // there is none, or the basis of the reduction is kept.
   std::shared_ptr<const ReducedStructure> reduced;

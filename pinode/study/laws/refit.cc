@@ -11,11 +11,12 @@
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/identify/identify.h"
+#include "pinode/study/laws/discovered_terms.h"
 #include "pinode/study/laws/score_without_fit.h"
+#include "pinode/study/laws/term_rivals.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/discovered_problem.h"
-#include "pinode/study/terms/library_term.h"
 #include "pinode/study/terms/segment_proposal.h"
 #include "pinode/study/terms/term_proposal.h"
 #include "pinode/study/terms/term_worth.h"
@@ -26,56 +27,6 @@ namespace {
 constexpr int kLargestRefitFactor = 32;
 // Each search that is kept lowers the criterion; more than a few are none.
 constexpr int kMaxSearches = 20;
-
-// "u1: x[u1]^2": what is in `a` and not in `b`.
-std::vector<std::string> Difference(const std::vector<DiscoveredEquation>& a,
-                                    const std::vector<DiscoveredEquation>& b) {
-  std::vector<std::string> result;
-  for (size_t e = 0; e < a.size(); ++e) {
-    for (const DiscoveredTerm& term : a[e].terms) {
-      if (!HasTerm(b[e], term.basis)) {
-        result.push_back(a[e].output + ": " + term.basis);
-      }
-    }
-  }
-  return result;
-}
-
-bool SameTerms(const std::vector<DiscoveredEquation>& a,
-               const std::vector<DiscoveredEquation>& b) {
-  return Difference(a, b).empty() && Difference(b, a).empty();
-}
-
-// Units, and what each term was before the refit of which `summary` is (nullptr
-// without one) and is by it.
-void CompleteTerms(const IdentificationProblem& problem,
-                   const std::vector<DiscoveredEquation>& selected,
-                   const FitSummary* summary,
-                   std::vector<DiscoveredEquation>* equations) {
-  for (size_t e = 0; e < equations->size(); ++e) {
-    DiscoveredEquation& equation = (*equations)[e];
-    for (DiscoveredTerm& term : equation.terms) {
-      term.unit =
-          LibraryCoefficientUnit(BasisFunction(equation, term.basis),
-                                 equation.features, problem.dynamics->inputs(),
-                                 equation.acts_as, problem.description.units);
-      term.regressed = 0.0;
-      for (const DiscoveredTerm& before : selected[e].terms) {
-        if (before.basis == term.basis) term.regressed = before.coefficient;
-      }
-      term.sigma = term.lower95 = term.upper95 = kNaN;
-      const ParameterEstimate* estimate =
-          summary == nullptr
-              ? nullptr
-              : FindEstimate(*summary, CoefficientName(equation, term.basis));
-      if (estimate != nullptr) {
-        term.sigma = estimate->sigma;
-        term.lower95 = estimate->lower95;
-        term.upper95 = estimate->upper95;
-      }
-    }
-  }
-}
 
 // One fit after the other, each beginning where the one before has ended.
 class Refitter {
@@ -90,6 +41,7 @@ class Refitter {
         identification_(identification),
         announcing_(watch, this),
         inner_(&announcing_),
+        rival_fits_(watch),
         discovery_(*discovery),
         error_(error),
         last_model_(model) {}
@@ -97,6 +49,7 @@ class Refitter {
   bool Run(const std::vector<DiscoveredEquation>& equations,
            const std::vector<DiscoveredEquation>& begin) {
     discovery_.equations = begin;
+    compared_ = begin;
     prices_ = TermPrices(NumFittedValues(problem_), equations);
     exact_ = false;
     if (!FirstSteps() || !Begin()) return false;
@@ -104,7 +57,7 @@ class Refitter {
         !CompareWithNoTerms()) {
       return false;
     }
-    if (!Search() || !Prune(1)) return false;
+    if (!Search() || !Prune(1) || !CompareWithRivalTerms(1)) return false;
     exact_ = true;
     for (int factor = 2; factor <= kLargestRefitFactor && Good() && Left();
          factor *= 2) {
@@ -120,6 +73,11 @@ class Refitter {
       }
       // Terms that made up for the integrator are not missed by a better one.
       if (!Prune(factor)) return false;
+      // Probabilities are of these terms.
+      if (!SameTerms(compared_, discovery_.equations) &&
+          !CompareWithRivalTerms(factor)) {
+        return false;
+      }
       if (SameTerms(before, discovery_.equations) && Agree(before)) break;
     }
     // The last fit is of a term that is not worth its place.
@@ -297,6 +255,37 @@ class Refitter {
     return true;
   }
 
+  // Compares the terms with others, and takes over better ones as long as there
+  // are any. Each lowers the criterion. `factor` refines the steps.
+  bool CompareWithRivalTerms(int factor) {
+    if (!options_.search) return true;
+    std::vector<int> substeps = substeps_;
+    for (int& count : substeps) count *= factor;
+    for (int k = 0; k < kMaxSearches && Good() && Left(); ++k) {
+      RivalComparison comparison;
+      if (!CompareWithRivals({problem_, discovery_.problem, discovery_.summary,
+                              last_model_, substeps, discovery_.equations},
+                             options_, prices_, identification_, &rival_fits_,
+                             &discovery_.equations, &comparison, error_)) {
+        return false;
+      }
+      if (comparison.interrupted) {
+        discovery_.summary.termination = Termination::kInterrupted;
+        discovery_.summary.message =
+            "interrupted during the comparison with other terms";
+        return true;
+      }
+      discovery_.rivals = std::move(comparison.rivals);
+      compared_ = discovery_.equations;
+      if (comparison.better.empty()) return true;
+      discovery_.equations = std::move(comparison.better);
+      discovery_.problem = std::move(comparison.better_problem);
+      last_model_ = std::move(comparison.better_model);
+      if (!Fit(factor) || !Prune(factor)) return false;
+    }
+    return true;
+  }
+
   bool FirstSteps() {
     IdentificationProblem first;
     IdentifiedModel initial;
@@ -356,6 +345,7 @@ class Refitter {
     BeginNearTheEnd(&options);
     IdentificationExtras extras;
     extras.start = &last_model_;
+    extras.findings = CheckTerms(discovery_.equations, discovery_.rivals);
     Identification found =
         Identify(discovery_.problem, options, extras, &announcing_);
     discovery_.problem = std::move(found.problem);
@@ -431,10 +421,12 @@ class Refitter {
   const IdentificationOptions& identification_;
   AnnouncingWatch announcing_;
   InnerFit inner_;
+  InnerFit rival_fits_;  // the equations of a rival are not announced
   Discovery& discovery_;
   std::string* error_;
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
+  std::vector<DiscoveredEquation> compared_;  // with rivals
   TermPrices prices_;
   int num_fits_ = 0;
   bool unfitted_ = false;  // begun without terms, and without a fit

@@ -22,6 +22,10 @@ struct Discovery {
   std::vector<std::string> dropped;
   std::vector<std::string> added;
 
+  // Other sets of terms that describe the records about as well, most likely
+  // first. Empty without a search.
+  std::vector<TermRival> rivals;
+
   // True if there was a refit. If not, problem, summary, model and
   // step_refinement have no meaning.
   bool refitted = false;
@@ -53,7 +57,10 @@ struct Discovery {
 //    extended BIC (J. Chen and Z. Chen 2008; DiscoveryOptions::search). The
 //    search begins without terms if the terms together are not worth their
 //    price or cannot be fitted.
-// 3. The Runge-Kutta steps are halved, at most five times, until no coefficient
+// 3. The terms are compared with other sets of terms. A better set takes their
+//    place. Each term gets its probability among these sets, and a term below
+//    kCertainTerm is a finding (DiscoveryOptions::search).
+// 4. The Runge-Kutta steps are halved, at most five times, until no coefficient
 //    changes by more than a tenth of its standard deviation or 1e-8 of itself.
 //    An equation then does not compensate for errors of integration.
 //

@@ -12,7 +12,10 @@
 #include "pinode/integrate/rk4.h"
 #include "pinode/network/network.h"
 #include "pinode/problem/parameter_layout.h"
+#include "pinode/study/laws/term_rivals.h"
 #include "pinode/study/terms/discovered_problem.h"
+#include "pinode/study/terms/term_worth.h"
+#include "tests/support/gaussian_testing.h"
 #include "tests/support/study_testing.h"
 
 namespace pinode {
@@ -20,6 +23,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // x'' + 0.4 x' + 9 x + 2 x^3 = 0 from x = 1.5; the model has a network in place
 // of the cubic term.
@@ -104,6 +108,22 @@ class RefitTest : public ::testing::Test {
     equation_.terms.push_back(term);
   }
 
+  // Offers these cubic and quintic candidates, and adds noise to the record.
+  void OfferInNoise(double sigma) {
+    for (const auto& [basis, degree] : std::vector<std::pair<std::string, int>>{
+             {"x[u]^3", 3}, {"x[u]^2*v[u]", 3}, {"x[u]^5", 5}}) {
+      DiscoveryCandidate candidate;
+      candidate.basis = basis;
+      candidate.degree = degree;
+      candidate.rms = 0.7;
+      equation_.candidates.push_back(candidate);
+    }
+    testing::Gaussian gaussian(11);
+    for (MeasuredChannel& channel : problem_.records[0].channels) {
+      channel.values += sigma * Vector(gaussian.Draw(81, 1));
+    }
+  }
+
   bool Refit(Discovery* discovery) {
     return RefitEquations(problem_, model_, {equation_}, DiscoveryOptions(),
                           options_, nullptr, nullptr, discovery, &error_);
@@ -179,6 +199,66 @@ TEST_F(RefitTest, TermsThatCannotBeFittedDoNotStay) {
   ASSERT_EQ(discovery.num_terms(), 1);
   EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
   EXPECT_NEAR(discovery.equations[0].terms[0].coefficient, -2.0, 2e-8);
+}
+
+TEST_F(RefitTest, RivalHasTheOddsOfItsOwnRefit) {
+  OfferInNoise(0.9);
+  Discovery discovery;
+  ASSERT_TRUE(Refit(&discovery)) << error_;
+  ASSERT_EQ(discovery.num_terms(), 1);
+  ASSERT_FALSE(discovery.rivals.empty());
+  const TermRival& rival = discovery.rivals[0];
+  EXPECT_THAT(rival.without, ElementsAre("u: x[u]^3"));
+  ASSERT_THAT(rival.with, ElementsAre("u: x[u]^5"));
+  EXPECT_TRUE(rival.fitted);
+  // The odds are those of two refits without a search. Kinds with one of two
+  // and none of one candidate a term cost 2 ln(2 / 2) and 2 ln(2 / 1).
+  double deviances[2];
+  for (int k = 0; k < 2; ++k) {
+    equation_.terms[0].basis = k == 0 ? "x[u]^3" : "x[u]^5";
+    DiscoveryOptions options;
+    options.search = false;
+    Discovery alone;
+    ASSERT_TRUE(RefitEquations(problem_, model_, {equation_}, options, options_,
+                               nullptr, nullptr, &alone, &error_))
+        << error_;
+    ASSERT_EQ(alone.num_terms(), 1);
+    EXPECT_TRUE(std::isnan(alone.equations[0].terms[0].probability));
+    deviances[k] = Deviance(problem_, alone.summary);
+  }
+  const double odds =
+      std::exp(-0.5 * (deviances[1] - deviances[0]) - std::log(2.0));
+  EXPECT_NEAR(std::exp(rival.log_odds), odds, 0.02 * odds);
+  EXPECT_NEAR(discovery.equations[0].terms[0].probability, 1.0 / (1.0 + odds),
+              0.01);
+}
+
+TEST_F(RefitTest, UncertainTermIsAFindingThatNamesItsRival) {
+  equation_.terms[0].probability = 0.96;
+  const std::vector<TermRival> rivals = {
+      {{"u: x[u]^3"}, {"u: x[u]^5", "u: v[u]^3"}, -0.5, true}};
+  EXPECT_THAT(CheckTerms({equation_}, rivals), IsEmpty());
+  equation_.terms[0].probability = 0.62;
+  const std::vector<Finding> findings = CheckTerms({equation_}, rivals);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "uncertain_term");
+  EXPECT_EQ(findings[0].what,
+            "the records do not decide about a term: u: x[u]^3 or u: x[u]^5 + "
+            "u: v[u]^3 (62 %)");
+  EXPECT_EQ(findings[0].number, 0.62);
+  EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
+}
+
+TEST_F(RefitTest, TermThatTheRecordShowsIsCertain) {
+  OfferInNoise(0.002);
+  Discovery discovery;
+  ASSERT_TRUE(Refit(&discovery)) << error_;
+  ASSERT_EQ(discovery.num_terms(), 1);
+  EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
+  EXPECT_GT(discovery.equations[0].terms[0].probability, 0.98);
+  for (const Finding& finding : discovery.verdict().findings()) {
+    EXPECT_NE(finding.check, "uncertain_term");
+  }
 }
 
 TEST_F(RefitTest, GivenCoefficientsStayAndSignsAreBounds) {

@@ -21,44 +21,6 @@ std::map<std::string, int> FreeEntries(const ParameterLayout& layout) {
   return entries;
 }
 
-// Input of SelectStepwise. Entries of the libraries may be left out and count
-// from 0. All others stay and count from their fitted value.
-struct StepwiseInput {
-  StepwiseOptions options;
-  Vector from_zero;
-  std::vector<int> start;
-};
-
-StepwiseInput MakeStepwiseInput(const TermOffer& offer,
-                                const std::map<std::string, int>& entries,
-                                const Vector& free) {
-  const std::vector<DiscoveredEquation>& wide = offer.wide;
-  const DiscoveryOptions& discovery = offer.options;
-  StepwiseInput input;
-  StepwiseOptions& options = input.options;
-  const size_t size = static_cast<size_t>(free.size());
-  options.prices = Vector::Zero(free.size());
-  options.optional.assign(size, false);
-  options.signs.assign(size, 0);
-  options.smallest = Vector::Zero(free.size());
-  input.from_zero = Vector::Zero(free.size());
-  for (size_t e = 0; e < wide.size(); ++e) {
-    for (const DiscoveredTerm& term : wide[e].terms) {
-      const auto found = entries.find(CoefficientName(wide[e], term.basis));
-      if (term.given || found == entries.end()) continue;
-      const int j = found->second;
-      input.from_zero[j] = free[j];
-      options.prices[j] = offer.prices.Of(wide[e], term);
-      options.optional[static_cast<size_t>(j)] = true;
-      options.signs[static_cast<size_t>(j)] = term.sign;
-      options.smallest[j] = discovery.prune_fraction * discovery.tolerance *
-                            wide[e].scale / std::max(term.basis_rms, 1e-300);
-      if (HasTerm(offer.present[e], term.basis)) input.start.push_back(j);
-    }
-  }
-  return input;
-}
-
 QuadraticCost CostFromZero(const FittedCost& around, double memory,
                            const Vector& from_zero) {
   QuadraticCost cost;
@@ -94,16 +56,44 @@ std::vector<DiscoveredEquation> WithAllCandidates(
   return equations;
 }
 
-void ChooseTerms(const TermOffer& offer, const ParameterLayout& layout,
-                 const Vector& free, const FittedCost& around,
-                 std::vector<DiscoveredEquation>* equations) {
+OfferedCost MakeOfferedCost(const TermOffer& offer,
+                            const ParameterLayout& layout, const Vector& free,
+                            const FittedCost& around) {
   const std::map<std::string, int> entries = FreeEntries(layout);
-  const StepwiseInput input = MakeStepwiseInput(offer, entries, free);
-  const std::vector<int> support = SupportNearFit(
-      around, around.memory, input.from_zero, input.options, input.start);
-  const Vector values =
-      MinimizeOn(CostFromZero(around, around.memory, input.from_zero), support);
-  std::vector<DiscoveredEquation> chosen = offer.wide;
+  const std::vector<DiscoveredEquation>& wide = offer.wide;
+  const DiscoveryOptions& discovery = offer.options;
+  OfferedCost offered;
+  StepwiseOptions& options = offered.options;
+  const size_t size = static_cast<size_t>(free.size());
+  options.prices = Vector::Zero(free.size());
+  options.optional.assign(size, false);
+  options.signs.assign(size, 0);
+  options.smallest = Vector::Zero(free.size());
+  offered.from_zero = Vector::Zero(free.size());
+  for (size_t e = 0; e < wide.size(); ++e) {
+    for (const DiscoveredTerm& term : wide[e].terms) {
+      const auto found = entries.find(CoefficientName(wide[e], term.basis));
+      if (term.given || found == entries.end()) continue;
+      const int j = found->second;
+      offered.from_zero[j] = free[j];
+      options.prices[j] = offer.prices.Of(wide[e], term);
+      options.optional[static_cast<size_t>(j)] = true;
+      options.signs[static_cast<size_t>(j)] = term.sign;
+      options.smallest[j] = discovery.prune_fraction * discovery.tolerance *
+                            wide[e].scale / std::max(term.basis_rms, 1e-300);
+      if (HasTerm(offer.present[e], term.basis)) offered.start.push_back(j);
+    }
+  }
+  offered.cost = CostFromZero(around, around.memory, offered.from_zero);
+  return offered;
+}
+
+std::vector<DiscoveredEquation> EquationsOn(
+    const std::vector<DiscoveredEquation>& wide, const ParameterLayout& layout,
+    const QuadraticCost& cost, const std::vector<int>& support) {
+  const std::map<std::string, int> entries = FreeEntries(layout);
+  const Vector values = MinimizeOn(cost, support);
+  std::vector<DiscoveredEquation> chosen = wide;
   for (DiscoveredEquation& equation : chosen) {
     std::vector<DiscoveredTerm> terms;
     for (DiscoveredTerm& term : equation.terms) {
@@ -119,38 +109,48 @@ void ChooseTerms(const TermOffer& offer, const ParameterLayout& layout,
     }
     equation.terms = std::move(terms);
   }
-  *equations = std::move(chosen);
+  return chosen;
+}
+
+void ChooseTerms(const TermOffer& offer, const ParameterLayout& layout,
+                 const Vector& free, const FittedCost& around,
+                 std::vector<DiscoveredEquation>* equations) {
+  const OfferedCost offered = MakeOfferedCost(offer, layout, free, around);
+  *equations =
+      EquationsOn(offer.wide, layout, offered.cost,
+                  SelectStepwise(offered.cost, offered.options, offered.start));
+}
+
+bool MakeCandidateCost(const FittedEquations& fitted, int num_threads,
+                       CandidateCost* cost, std::string* error) {
+  cost->wide = WithAllCandidates(fitted.equations);
+  if (!MakeDiscoveredProblem(fitted.problem, fitted.model, cost->wide,
+                             fitted.substeps, &cost->problem, &cost->model,
+                             error)) {
+    return false;
+  }
+  cost->model.decays = fitted.model.decays;
+  cost->finite =
+      LinearizeAtFit(cost->problem, ParameterLayout(cost->problem), cost->model,
+                     fitted.records, num_threads, &cost->around);
+  return true;
 }
 
 bool ProposeTerms(const FittedEquations& fitted,
                   const DiscoveryOptions& options, const TermPrices& prices,
                   int num_threads, std::vector<DiscoveredEquation>* equations,
                   double* memory, std::string* error) {
-  const std::vector<DiscoveredEquation> wide =
-      WithAllCandidates(fitted.equations);
-  IdentificationProblem problem;
-  IdentifiedModel initial;
-  if (!MakeDiscoveredProblem(fitted.problem, fitted.model, wide,
-                             fitted.substeps, &problem, &initial, error)) {
-    return false;
-  }
-  const ParameterLayout layout(problem);
-  const Vector free = layout.Free(initial.parameters);
-  initial.decays = fitted.model.decays;
-  FittedCost around;
-  if (!LinearizeAtFit(problem, layout, initial, fitted.records, num_threads,
-                      &around)) {
-    return true;
-  }
-  *memory = around.memory;
-
-  *equations = wide;
-  ChooseTerms({wide, fitted.equations, options, prices}, layout, free, around,
-              equations);
+  CandidateCost cost;
+  if (!MakeCandidateCost(fitted, num_threads, &cost, error)) return false;
+  if (!cost.finite) return true;
+  *memory = cost.around.memory;
+  const ParameterLayout layout(cost.problem);
+  ChooseTerms({cost.wide, fitted.equations, options, prices}, layout,
+              layout.Free(cost.model.parameters), cost.around, equations);
   // A fit from the present values follows.
-  for (size_t e = 0; e < wide.size(); ++e) {
+  for (size_t e = 0; e < cost.wide.size(); ++e) {
     for (DiscoveredTerm& term : (*equations)[e].terms) {
-      for (const DiscoveredTerm& before : wide[e].terms) {
+      for (const DiscoveredTerm& before : cost.wide[e].terms) {
         if (before.basis == term.basis) term.coefficient = before.coefficient;
       }
     }

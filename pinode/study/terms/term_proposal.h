@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/discover/discovery.h"
+#include "pinode/discover/quadratic_face.h"
 #include "pinode/discover/stepwise.h"
 #include "pinode/discover/term_prices.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
@@ -39,6 +40,27 @@ struct TermOffer {
   const TermPrices& prices;
 };
 
+// Input of SelectStepwise for an offer. Coefficients of candidates may be left
+// out and count from 0. All other unknowns stay and count from their value.
+struct OfferedCost {
+  QuadraticCost cost;
+  StepwiseOptions options;
+  Vector from_zero;        // value at the expansion of each entry from 0, or 0
+  std::vector<int> start;  // entries of the present terms
+};
+
+// Makes the input of SelectStepwise for a cost that is quadratic about the free
+// parameters `free` of a problem with all candidates.
+OfferedCost MakeOfferedCost(const TermOffer& offer,
+                            const ParameterLayout& layout, const Vector& free,
+                            const FittedCost& around);
+
+// Returns `wide` with the terms in `support`, ascending. Their coefficients are
+// the minimum of the cost.
+std::vector<DiscoveredEquation> EquationsOn(
+    const std::vector<DiscoveredEquation>& wide, const ParameterLayout& layout,
+    const QuadraticCost& cost, const std::vector<int>& support);
+
 // Chooses terms by SelectStepwise for a cost that is quadratic about the free
 // parameters `free` of a problem with all candidates. The coefficients are the
 // minimum of this cost.
@@ -54,6 +76,21 @@ struct FittedEquations {
   const std::vector<int>& substeps;  // of each record
   const std::vector<DiscoveredEquation>& equations;
 };
+
+// The cost near a fit, with all candidates in the equation of motion. Those
+// that are no terms have coefficients of 0.
+struct CandidateCost {
+  std::vector<DiscoveredEquation> wide;  // with all candidates
+  IdentificationProblem problem;         // with all candidates
+  IdentifiedModel model;                 // at which the cost is expanded
+  FittedCost around;
+  bool finite = false;  // false: `around` has no meaning
+};
+
+// Returns false, with *error, if the candidates do not fit the problem.
+[[nodiscard]] bool MakeCandidateCost(const FittedEquations& fitted,
+                                     int num_threads, CandidateCost* cost,
+                                     std::string* error);
 
 // Proposes the terms chosen by SelectStepwise with these prices, for the cost
 // that is quadratic near the fit in the coefficients of all candidates. New

@@ -10,10 +10,15 @@ but the mass. A line per system and noise says
 
 - exact: draws with the true terms and no others,
 - missed, false: true terms that were not found, and terms that are not true,
-- certain false: draws that call a false term usable without reservation,
+- certain false: draws that call a false term certain: the verdict is good, or
+  the term's probability at least 95 %,
+- with care: exact draws, and others, with this verdict,
 - worst: median over exact draws of the largest relative error of a coefficient,
 - holds: intervals of the exact draws that hold the true coefficient,
 - seconds: median and largest time of a run.
+
+The last lines compare the probabilities of the chosen terms with how many of
+them are true.
 """
 
 import argparse
@@ -139,9 +144,25 @@ def run(program, name, noise, draw):
             held += term["lower95"] <= truth[key] <= term["upper95"]
     false = found.keys() - truth.keys()
     return {"missed": sorted(truth.keys() - found.keys()), "false": sorted(false),
-            "certain": bool(false) and result.get("verdict") == "good",
+            "certain": bool(false) and (
+                result.get("verdict") == "good"
+                or any((found[key].get("probability") or 0.0) >= 0.95 for key in false)),
+            "care": result.get("verdict") == "with_care",
+            "terms": [(term.get("probability"), key in truth)
+                      for key, term in found.items()],
             "worst": max(errors, default=np.nan), "held": held, "intervals": intervals,
             "seconds": seconds}
+
+
+def print_calibration(terms):
+    """Prints probability said and fraction true of terms by class of probability."""
+    classes = [0.0, 0.2, 0.5, 0.8, 0.95, 0.99, 0.999]
+    for low, high in zip(classes, [*classes[1:], np.inf]):
+        inside = [(p, true) for p, true in terms if p is not None and low <= p < high]
+        if inside:
+            said, true = np.mean(np.array(inside, dtype=float), axis=0)
+            print(f"probability from {low:g}: {len(inside)} terms, mean {100 * said:.2f} %,"
+                  f" true {100 * true:.2f} %", flush=True)
 
 
 def main():
@@ -153,8 +174,9 @@ def main():
     parser.add_argument("--systems", default=",".join(SYSTEMS))
     parser.add_argument("--verbose", action="store_true")
     options = parser.parse_args()
-    print("system, noise %: exact; missed, false terms; certain false; worst, % ; holds;"
-          " seconds, median and largest", flush=True)
+    print("system, noise %: exact; missed, false terms; certain false; with care: exact,"
+          " others; worst, % ; holds; seconds, median and largest", flush=True)
+    terms = []
     for name in options.systems.split(","):
         for noise in map(float, options.noise.split(",")):
             draws = []
@@ -162,15 +184,19 @@ def main():
                 draws.append(run(options.program, name, noise, draw))
                 if options.verbose:
                     print("  ", draw, draws[-1], flush=True)
+            terms += [term for d in draws for term in d["terms"]]
             exact = [d for d in draws if not d["missed"] and not d["false"]]
             seconds = [d["seconds"] for d in draws]
             worst = 100.0 * np.median([d["worst"] for d in exact]) if exact else np.nan
             print(f"{name}, {noise:g}: {len(exact)} of {len(draws)}; "
                   f"{sum(len(d['missed']) for d in draws)}, "
                   f"{sum(len(d['false']) for d in draws)}; "
-                  f"{sum(d['certain'] for d in draws)}; {worst:.2g}; "
+                  f"{sum(d['certain'] for d in draws)}; "
+                  f"{sum(d['care'] for d in exact)}, "
+                  f"{sum(d['care'] for d in draws) - sum(d['care'] for d in exact)}; {worst:.2g}; "
                   f"{sum(d['held'] for d in exact)} of {sum(d['intervals'] for d in exact)}; "
                   f"{np.median(seconds):.1f}, {max(seconds):.1f}", flush=True)
+    print_calibration(terms)
 
 
 if __name__ == "__main__":
