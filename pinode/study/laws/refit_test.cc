@@ -249,6 +249,22 @@ TEST_F(RefitTest, UncertainTermIsAFindingThatNamesItsRival) {
   EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
 }
 
+TEST_F(RefitTest, CandidateThatIsProbablyATermIsAFinding) {
+  equation_.terms[0].probability = 0.99;
+  equation_.candidates.resize(2);
+  equation_.candidates[0].basis = equation_.terms[0].basis;
+  equation_.candidates[0].probability = 0.99;
+  equation_.candidates[1].basis = "v[u]^3";
+  equation_.candidates[1].probability = 0.4;
+  EXPECT_THAT(CheckTerms({equation_}, {}), IsEmpty());
+  equation_.candidates[1].probability = 0.7;
+  const std::vector<Finding> findings = CheckTerms({equation_}, {});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "missing_term");
+  EXPECT_THAT(findings[0].what, ::testing::HasSubstr("u: v[u]^3 (70 %)"));
+  EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
+}
+
 TEST_F(RefitTest, TermThatTheRecordShowsIsCertain) {
   OfferInNoise(0.002);
   Discovery discovery;

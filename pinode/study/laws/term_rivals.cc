@@ -258,6 +258,49 @@ std::string InsteadOf(const std::string& term,
   return "";
 }
 
+// "a, b, c and 2 more".
+std::string TheFirst(std::vector<std::string> names) {
+  constexpr size_t kMostNamed = 3;
+  const size_t count = names.size();
+  names.resize(std::min(count, kMostNamed));
+  std::string text = Join(names, ", ");
+  if (count > kMostNamed) {
+    text += " and " + std::to_string(count - kMostNamed) + " more";
+  }
+  return text;
+}
+
+// Adds a finding if a candidate was left out although it is more likely a term
+// than not. The coefficients of the others then carry a part of its effect.
+void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
+                  std::vector<Finding>* findings) {
+  constexpr double kLikely = 0.5;
+  std::vector<std::string> named;
+  double most = 0.0;
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveryCandidate& candidate : equation.candidates) {
+      const bool is_term =
+          std::any_of(equation.terms.begin(), equation.terms.end(),
+                      [&candidate](const DiscoveredTerm& term) {
+                        return term.basis == candidate.basis;
+                      });
+      if (is_term || !(candidate.probability > kLikely)) continue;
+      most = std::max(most, candidate.probability);
+      named.push_back(equation.output + ": " + candidate.basis + " (" +
+                      FormatNumber(100.0 * candidate.probability, 2) + " %)");
+    }
+  }
+  if (named.empty()) return;
+  findings->push_back(
+      {"missing_term",
+       "the equations probably lack a term, which noise hides: " +
+           TheFirst(named),
+       most, kLikely,
+       "keep in mind that the other coefficients carry its effect, or measure "
+       "larger amplitudes",
+       Grade::kWithCare});
+}
+
 }  // namespace
 
 bool CompareWithRivals(const RivalInput& input, const DiscoveryOptions& options,
@@ -273,35 +316,33 @@ bool CompareWithRivals(const RivalInput& input, const DiscoveryOptions& options,
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
     const std::vector<TermRival>& rivals) {
-  constexpr size_t kMostNamed = 3;
+  std::vector<Finding> findings;
   std::vector<std::string> named;
-  size_t count = 0;
   double least = 1.0;
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveredTerm& term : equation.terms) {
       if (!(term.probability < kCertainTerm)) continue;
-      ++count;
       least = std::min(least, term.probability);
-      if (named.size() == kMostNamed) continue;
       const std::string name = equation.output + ": " + term.basis;
       named.push_back(name + InsteadOf(name, rivals) + " (" +
                       FormatNumber(100.0 * term.probability, 2) + " %)");
     }
   }
-  if (count == 0) return {};
-  std::string what = Join(named, ", ");
-  if (count > named.size()) {
-    what += " and " + std::to_string(count - named.size()) + " more";
+  if (!named.empty()) {
+    findings.push_back(
+        {"uncertain_term",
+         (named.size() == 1
+              ? std::string("the records do not decide about a term: ")
+              : "the records do not decide about " +
+                    std::to_string(named.size()) + " terms: ") +
+             TheFirst(named),
+         least, kCertainTerm,
+         "measure other amplitudes, or leave out candidates that the "
+         "structure cannot have",
+         Grade::kWithCare});
   }
-  return {{"uncertain_term",
-           (count == 1 ? std::string("the records do not decide about a term: ")
-                       : std::string("the records do not decide about ") +
-                             std::to_string(count) + " terms: ") +
-               what,
-           least, kCertainTerm,
-           "measure other amplitudes, or leave out candidates that the "
-           "structure cannot have",
-           Grade::kWithCare}};
+  CheckLeftOut(equations, &findings);
+  return findings;
 }
 
 }  // namespace pinode

@@ -61,8 +61,8 @@ struct RivalComparison {
     InnerFit* inner, std::vector<DiscoveredEquation>* equations,
     RivalComparison* comparison, std::string* error);
 
-// Returns a finding if a chosen term is uncertain. It names the terms and
-// their rivals.
+// Returns a finding if a chosen term is uncertain, which names the terms and
+// their rivals, and one if a candidate that was left out is probably a term.
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
     const std::vector<TermRival>& rivals);
