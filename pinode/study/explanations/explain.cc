@@ -365,7 +365,10 @@ Explained ExplainModes(const IdentificationProblem& problem,
   Explained result =
       Report(problem, fit, search.suspects(), {}, search.refits()).Make();
   // Frequencies that are far off say it already.
-  if (!CheckMeasuredFrequencies(problem, fit).empty()) return result;
+  if (!search.IsBeyondDeviations() ||
+      !CheckMeasuredFrequencies(problem, fit).empty()) {
+    return result;
+  }
   const double ratio = std::sqrt(search.SquaredErrorLeft());
   result.findings.push_back(
       {"modes_beyond_deviations",

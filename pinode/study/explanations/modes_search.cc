@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/explanations/catalogue.h"
+#include "pinode/study/explanations/shape_suspects.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/term_worth.h"
 
@@ -20,6 +22,11 @@ namespace {
 
 // Number of suspects together.
 constexpr size_t kMostModesTogether = 2;
+
+// Number of faults of sensors of each kind to refit, and of places up to which
+// the gain of each sensor is fitted.
+constexpr size_t kMostShapeSuspects = 2;
+constexpr size_t kMostGainPlaces = 40;
 
 // Squared errors above which a mode may be wrong, as a multiple of what its
 // standard deviations allow.
@@ -86,41 +93,51 @@ ModesSearch::ModesSearch(const IdentificationProblem& problem,
       inner_(*inner) {
   BeginNearTheEnd(&options_);
   options_.num_starts = 0;
-  for (Suspect& suspect : MakeSuspects(problem, model)) {
-    if (suspect.kind == Suspect::Kind::kMass ||
-        suspect.kind == Suspect::Kind::kStiffness ||
-        suspect.kind == Suspect::Kind::kBound) {
-      suspects_.push_back(std::move(suspect));
-    }
-  }
+  num_measured_ = NumMeasuredIn(problem, fit);
+  left_ = std::max(1.0, num_measured_ - fit.effective_parameters);
+}
+
+// Number of measured numbers of the modes that a fit uses.
+int ModesSearch::NumMeasuredIn(const IdentificationProblem& problem,
+                               const FitSummary& fit) const {
+  int count = 0;
   for (size_t i = 0; i < fit.modes.size(); ++i) {
-    if (fit.modes[i].InUse())
-      num_measured_ += NumbersOf(problem.modal.modes[i]);
+    if (fit.modes[i].InUse()) count += NumbersOf(problem.modal.modes[i]);
   }
   // Each pair of close modes has one number less: the angle between the two.
   for (const std::vector<int>& set : CloseModes(OnlyModes(
            problem.modal, ModesInUse(problem.modal, *problem.dynamics)))) {
     const int size = static_cast<int>(set.size());
-    num_measured_ -= size * (size - 1) / 2;
+    count -= size * (size - 1) / 2;
   }
-  left_ = std::max(1.0, num_measured_ - fit.effective_parameters);
+  return count;
 }
 
 double ModesSearch::SquaredErrorLeft() const {
   return 2.0 * fit_.final_modal_cost / left_;
 }
 
+bool ModesSearch::IsBeyondDeviations() const {
+  return ChiSquareProbability(2.0 * fit_.final_modal_cost, left_) <
+         limits::kModesProbability;
+}
+
 bool ModesSearch::Run() {
-  if (ChiSquareProbability(2.0 * fit_.final_modal_cost, left_) >=
-      limits::kModesProbability) {
-    return false;
+  const bool uses_all =
+      std::all_of(fit_.modes.begin(), fit_.modes.end(),
+                  [](const ModeScore& score) { return score.InUse(); });
+  if (!IsBeyondDeviations() && uses_all) return false;
+  if (IsBeyondDeviations()) AddCatalogue();
+  for (Suspect& suspect :
+       MakeShapeSuspects(problem_, model_, kMostShapeSuspects)) {
+    suspects_.push_back(std::move(suspect));
   }
-  AddModes();
   Refit own;
   own.problem = problem_;
   own.fit = fit_;
   own.model = model_;
   own.log_odds = 0.0;
+  if (IsBeyondDeviations()) AddGains();
   for (size_t i = 0; i < suspects_.size(); ++i) Try(own, {i});
   for (size_t together = 2; together <= kMostModesTogether; ++together) {
     if (Best() == nullptr || Best()->log_odds < limits::kLogOdds) break;
@@ -137,7 +154,45 @@ bool ModesSearch::Run() {
   return true;
 }
 
-// Modes that may be wrong themselves: misread, or of something else.
+// Masses, springs and bounds; modes that may be wrong themselves.
+void ModesSearch::AddCatalogue() {
+  for (Suspect& suspect : MakeSuspects(problem_, model_)) {
+    if (suspect.kind == Suspect::Kind::kMass ||
+        suspect.kind == Suspect::Kind::kStiffness ||
+        suspect.kind == Suspect::Kind::kBound) {
+      suspects_.push_back(std::move(suspect));
+    }
+  }
+  AddModes();
+}
+
+// Gains of single sensors, each from a fit without its entries: the other
+// entries and the frequencies know nothing of it.
+void ModesSearch::AddGains() {
+  const std::vector<int> places = MeasuredPlaces(problem_.modal);
+  if (places.size() > kMostGainPlaces) return;
+  for (const int place : places) {
+    IdentificationProblem without = problem_;
+    LeaveOutPlace(place, &without.modal);
+    std::string unused;
+    if (interrupted_ || !without.IsValid(&unused)) return;
+    const IdentifiedModel begin =
+        BeginFrom(ParametersByName(problem_, model_), model_, without);
+    FitSummary fit;
+    IdentifiedModel model;
+    inner_.Run("another explanation", without, options_, &begin, &fit, &model);
+    if (fit.termination == Termination::kInterrupted) interrupted_ = true;
+    if (fit.termination == Termination::kInterrupted ||
+        fit.termination == Termination::kFailure) {
+      continue;
+    }
+    std::optional<Suspect> gain =
+        MakeGainOfShapes(problem_, model.parameters, place);
+    if (gain.has_value()) suspects_.push_back(std::move(*gain));
+  }
+}
+
+// Misread modes, or modes of something else.
 void ModesSearch::AddModes() {
   int in_use = 0;
   for (const ModeScore& score : fit_.modes) in_use += score.InUse() ? 1 : 0;
@@ -162,8 +217,14 @@ void ModesSearch::Try(const Refit& from, std::vector<size_t> suspects) {
   if (!AddSuspects(added, &refit.problem, &unused)) return;
   const IdentifiedModel begin = BeginFrom(
       ParametersByName(from.problem, from.model), from.model, refit.problem);
-  inner_.Run("another explanation", refit.problem, options_, &begin, &refit.fit,
-             &refit.model);
+  // The fit has adapted to a fault of a sensor: the first fit without it begins
+  // with the initial model.
+  const bool is_cold =
+      from.suspects.empty() && !added.front().shape_changes.empty();
+  IdentificationOptions options = options_;
+  if (is_cold) options.num_starts = 1;
+  inner_.Run("another explanation", refit.problem, options,
+             is_cold ? nullptr : &begin, &refit.fit, &refit.model);
   if (refit.fit.termination == Termination::kInterrupted) {
     interrupted_ = true;
     return;
@@ -173,20 +234,33 @@ void ModesSearch::Try(const Refit& from, std::vector<size_t> suspects) {
   if (std::isfinite(refit.log_odds)) refits_.push_back(std::move(refit));
 }
 
-double ModesSearch::MeanSquare(const FitSummary& fit) const {
-  return std::max(1.0, 2.0 * fit.final_modal_cost / left_);
-}
-
 double ModesSearch::LogOdds(const Refit& refit) const {
-  double unknowns = 0.0;
+  double unknowns = 0.0, left_out = 0.0;
   for (const size_t i : refit.suspects) {
-    unknowns += static_cast<double>(suspects_[i].Unknowns().size());
-    for (const int mode : suspects_[i].left_out_modes) {
-      unknowns += NumbersOf(problem_.modal.modes[static_cast<size_t>(mode)]);
+    const Suspect& suspect = suspects_[i];
+    unknowns += static_cast<double>(suspect.Unknowns().size());
+    // A gain is an unknown, a sign is not.
+    for (const Suspect::ShapeChange& change : suspect.shape_changes) {
+      unknowns += change.kind == Suspect::ShapeChange::Kind::kScale &&
+                          change.factor > 0.0
+                      ? 1.0
+                      : 0.0;
+    }
+    for (const int mode : suspect.left_out_modes) {
+      left_out += NumbersOf(problem_.modal.modes[static_cast<size_t>(mode)]);
     }
   }
-  const double count = num_measured_;
-  return 0.5 * count * std::log(MeanSquare(fit_) / MeanSquare(refit.fit)) -
+  // Numbers that the fit had to leave out and the refit describes.
+  const double gained =
+      NumMeasuredIn(refit.problem, refit.fit) - (num_measured_ - left_out);
+  unknowns += left_out - gained;
+  const double count = num_measured_ + std::max(0.0, gained);
+  const auto mean_square = [](const FitSummary& fit, double left) {
+    return std::max(1.0, 2.0 * fit.final_modal_cost / std::max(1.0, left));
+  };
+  return 0.5 * count *
+             std::log(mean_square(fit_, left_) /
+                      mean_square(refit.fit, left_ + gained)) -
          0.5 * unknowns * std::log(std::max(count, 2.0)) -
          static_cast<double>(refit.suspects.size()) *
              std::log(static_cast<double>(suspects_.size()));

@@ -33,8 +33,10 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 // Looks for the suspects that describe measured modes better than the fit does
 // without them. Modes are few and their fits short, so that every suspect is
 // refitted, singly and added to the best: masses, stiffness outside of groups,
-// and modes left out. It does nothing where the errors of the modes are what
-// their standard deviations allow.
+// modes left out, and faults of the sensors (MakeShapeSuspects, gains). It does
+// nothing where the errors of the modes are what their standard deviations
+// allow, unless the initial model has no mode like a measured one: then faults
+// of sensors alone are tried.
 //
 // The log odds of a refit with k unknowns among n candidates are those of
 // Explain,
@@ -43,7 +45,7 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 //
 // with the number N of measured numbers and their mean squared errors s, s' in
 // standard deviations before and after. Less than 1 counts as 1. The numbers of
-// a mode that is left out are unknowns.
+// a mode that is left out are unknowns, also where a fit cannot use it.
 class ModesSearch {
  public:
   // Refers to all arguments.
@@ -51,8 +53,11 @@ class ModesSearch {
               const IdentificationOptions& options, const FitSummary& fit,
               const IdentifiedModel& model, InnerFit* inner);
 
-  // False if the errors are what the standard deviations allow.
+  // Returns false if there is nothing to explain.
   bool Run();
+
+  // True if the errors are larger than the standard deviations allow.
+  bool IsBeyondDeviations() const;
 
   const std::vector<Suspect>& suspects() const { return suspects_; }
   // Best first.
@@ -62,10 +67,13 @@ class ModesSearch {
   double SquaredErrorLeft() const;
 
  private:
+  void AddCatalogue();
   void AddModes();
+  void AddGains();
   void Try(const Refit& from, std::vector<size_t> suspects);
   double LogOdds(const Refit& refit) const;
-  double MeanSquare(const FitSummary& fit) const;
+  int NumMeasuredIn(const IdentificationProblem& problem,
+                    const FitSummary& fit) const;
   const Refit* Best() const;
 
   const IdentificationProblem& problem_;

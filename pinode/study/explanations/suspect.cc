@@ -8,6 +8,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/dynamics/law_term.h"
 #include "pinode/study/explanations/frf_suspects.h"
+#include "pinode/study/explanations/shape_suspects.h"
 #include "pinode/study/problem/growth.h"
 
 namespace pinode {
@@ -168,6 +169,7 @@ bool AddSuspects(const std::vector<Suspect>& suspects,
       }
     }
     ChangeFrfs(suspect.frf_changes, &result);
+    ChangeShapes(suspect.shape_changes, &result.modal);
     for (const auto& [one, two] : suspect.exchanged) {
       std::swap(ChannelAt(one, &result)->values,
                 ChannelAt(two, &result)->values);

@@ -85,6 +85,17 @@ struct Suspect {
   };
   std::vector<FrfChange> frf_changes;
 
+  // Change of measured shapes: the entries at a DOF are multiplied by a factor,
+  // the entries at two DOFs change places, or two modes change shapes.
+  struct ShapeChange {
+    enum class Kind { kScale, kExchangeDofs, kExchangeModes };
+    Kind kind = Kind::kScale;
+    int one = -1, two = -1;  // DOFs, or indices of modes
+    int mode = -1;           // -1: in all modes
+    double factor = 1.0;
+  };
+  std::vector<ShapeChange> shape_changes;
+
   // The unknown of its sensors equals these unknowns of other suspects, all at
   // the same value: a common delay, the delays of all sensors. Empty: there are
   // none.
@@ -99,7 +110,8 @@ struct Suspect {
   bool IsDiscrete() const {
     return !exchanged.empty() || !moved_forces.empty() ||
            !left_out_modes.empty() || !ambient_exchanged.empty() ||
-           !ambient_scales.empty() || !frf_changes.empty();
+           !ambient_scales.empty() || !frf_changes.empty() ||
+           !shape_changes.empty();
   }
   // Names of its unknowns in a problem that has them.
   std::vector<std::string> Unknowns() const;
