@@ -15,6 +15,7 @@
 #include "pinode/study/damage/change_refit.h"
 #include "pinode/study/damage/damage_remarks.h"
 #include "pinode/study/damage/healthy_records.h"
+#include "pinode/study/damage/linear_causes.h"
 #include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/damage/wide_state.h"
 #include "pinode/study/damage/within_doubt.h"
@@ -94,12 +95,23 @@ class Analyst {
     choice_ = summary.choice;
     explanations_ = summary.explanations;
     doubts_ = DoubtsOf(summary);
-    const bool kinds =
-        !candidates_.empty() && healthy_records_.Refit(&inner_, &why) &&
-        LookForKinds(&why) && (found_.empty() || IdentifyWithFound(&why));
+    const bool kinds = !candidates_.empty() &&
+                       healthy_records_.Refit(&inner_, &why) &&
+                       LookForKinds(&why) && LookForDampers(&why) &&
+                       (found_.empty() || IdentifyWithFound(&why));
     if (!why.empty()) {
       result_.remarks.push_back(
           "The kinds of change could not be told apart: " + why + ".");
+    }
+    if (const Explanation* fault = FaultInsteadOfChanges(
+            summary.explanations, kinds ? found_.size() : 0)) {
+      *error =
+          "one fault of the measurement explains the new records as well "
+          "as " +
+          std::to_string(found_.size()) +
+          " changes of the structure: " + fault->what +
+          ". Check it, correct the case and run again";
+      return false;
     }
     if (!kinds) {
       found_.clear();
@@ -187,6 +199,45 @@ class Analyst {
       explains = false;
     }
     return true;
+  }
+
+  // Dampers, where motion is left unexplained: at the places of the nonlinear
+  // forces that were found and instead of them, or at one of few springs. Those
+  // that leave least are taken if it is less than half.
+  bool LookForDampers(std::string* error) {
+    const double missed = MissedOf(fit_of_new_.summary, 0.0);
+    if (!(missed > limits::kNotedUnexplained)) return true;
+    const State begin{found_, in_both_, fit_of_new_};
+    std::optional<State> best;
+    double least = 0.5 * missed;
+    std::string unused;
+    for (const Candidates& dampers :
+         DampersToTry(problem_.dynamics->model(), found_, candidates_)) {
+      Return(begin);
+      const bool fits = FitWith(dampers, &unused);
+      if (interrupted_) return false;
+      const double left = MissedOf(fit_of_new_.summary, 0.0);
+      if (!fits || !(left < least)) continue;
+      least = left;
+      best = State{found_, in_both_, fit_of_new_};
+    }
+    Return(best.has_value() ? *best : begin);
+    if (!best.has_value()) return true;
+    for (const ChangeCandidate& damper : Without(found_, candidates_)) {
+      candidates_.push_back(damper);
+    }
+    return WideStates(error);
+  }
+
+  // What the search has come to.
+  struct State {
+    Candidates found, in_both;
+    FitOfRecords fit;
+  };
+  void Return(const State& state) {
+    found_ = state.found;
+    in_both_ = state.in_both;
+    fit_of_new_ = state.fit;
   }
 
   // Takes `candidates` for found_ and fits the new records with them.
