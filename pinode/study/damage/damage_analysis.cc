@@ -229,7 +229,7 @@ class Analyst {
     return WideStates(error);
   }
 
-  // What the search has come to.
+  // Result of the search so far.
   struct State {
     Candidates found, in_both;
     FitOfRecords fit;
