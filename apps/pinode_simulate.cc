@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,10 @@ DEFINE_int32(sweep_points, 200, "number of points of the sweep");
 namespace pinode {
 namespace {
 
+bool IsGiven(const char* flag) {
+  return !gflags::GetCommandLineFlagInfoOrDie(flag).is_default;
+}
+
 // Reads --sweep_hz. Returns false, with *error, if it is no pair of numbers.
 bool ParseSweepHz(double* from, double* to, std::string* error) {
   const size_t colon = FLAGS_sweep_hz.find(':');
@@ -75,10 +80,17 @@ bool CheckFlags(std::string* error) {
     *error = "--output_dir=FOLDER is missing; see --help";
   } else if (!std::isfinite(FLAGS_noise_percent)) {
     *error = "--noise_percent must be finite";
-  } else if (FLAGS_sweep.empty() && !FLAGS_sweep_hz.empty()) {
-    *error = "--sweep_hz needs --sweep, the name of a load";
+  } else if (FLAGS_sweep.empty() &&
+             (IsGiven("sweep_hz") || IsGiven("sweep_amplitude") ||
+              IsGiven("sweep_points"))) {
+    *error =
+        "--sweep_hz, --sweep_amplitude and --sweep_points need --sweep, "
+        "the name of a load";
   } else if (!FLAGS_sweep.empty() && FLAGS_sweep_hz.empty()) {
     *error = "--sweep needs --sweep_hz, such as --sweep_hz=0.5:8";
+  } else if (!FLAGS_sweep.empty() &&
+             (IsGiven("noise_percent") || IsGiven("seed"))) {
+    *error = "a sweep has no noise; leave out --noise_percent and --seed";
   } else {
     return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
   }
@@ -134,8 +146,36 @@ bool WriteResponse(const IdentificationProblem& problem, size_t r,
       SensorColumns(problem, record, response.sensors, percent, noise), error);
 }
 
-// Prints the largest response of each channel, and where the response is not
-// stable.
+// Prints between which frequencies the response is not stable, and how many
+// points are not judged.
+void PrintStability(const std::vector<SweepPoint>& points) {
+  for (size_t i = 0; i < points.size();) {
+    if (!points[i].IsUnstable()) {
+      ++i;
+      continue;
+    }
+    size_t end = i;
+    while (end + 1 < points.size() && points[end + 1].IsUnstable()) ++end;
+    const auto [from, to] =
+        std::minmax(points[i].frequency_hz, points[end].frequency_hz);
+    Print(
+        "  not stable from %.4g to %.4g Hz, points %zu to %zu: the structure "
+        "leaves this response for another one\n",
+        from, to, i + 1, end + 1);
+    i = end + 1;
+  }
+  const auto unknown =
+      std::count_if(points.begin(), points.end(), [](const SweepPoint& point) {
+        return std::isnan(point.largest_multiplier);
+      });
+  if (unknown > 0) {
+    Print("  %td of %zu points: it is not known if they are stable\n", unknown,
+          points.size());
+  }
+}
+
+// Prints the largest response of each channel, and what is to be known of the
+// points.
 void PrintSweep(const IdentificationProblem& problem,
                 const IdentificationRecord& record,
                 const std::vector<SweepPoint>& points) {
@@ -151,18 +191,16 @@ void PrintSweep(const IdentificationProblem& problem,
           record.channels[i].observation.name.c_str(), largest->half_range[row],
           problem.UnitOf(record.channels[i]).c_str(), largest->frequency_hz);
   }
-  double lowest = kInfinity;
-  double highest = 0.0;
-  for (const SweepPoint& point : points) {
-    if (!(point.largest_multiplier > 1.0)) continue;
-    lowest = std::min(lowest, point.frequency_hz);
-    highest = std::max(highest, point.frequency_hz);
-  }
-  if (highest > 0.0) {
+  PrintStability(points);
+  constexpr double kUseful = 1e-3;
+  const auto useless = std::count_if(
+      points.begin(), points.end(),
+      [](const SweepPoint& point) { return !(point.neglected < kUseful); });
+  if (useless > 0) {
     Print(
-        "  not stable between %.4g and %.4g Hz: the structure jumps to "
-        "another response there\n",
-        lowest, highest);
+        "  %td of %zu points leave out harmonics of more than %g of the "
+        "response: do not use them ('neglected' in sweep.csv)\n",
+        useless, points.size(), kUseful);
   }
 }
 
@@ -205,7 +243,17 @@ int RunSweep(const Case& c) {
   if (c.problem.records.empty()) {
     return Refuse("a sweep needs a record, which names loads and channels");
   }
-  CatchInterrupts();
+  std::set<std::string> names = {"frequency_hz", "largest_multiplier",
+                                 "num_harmonics", "neglected"};
+  for (const MeasuredChannel& channel : c.problem.records[0].channels) {
+    const std::string& name = channel.observation.name;
+    for (const char* part : {"", "_amplitude", "_phase_deg"}) {
+      if (!names.insert(name + part).second) {
+        return Refuse("sweep.csv would have two columns '" + name + part +
+                      "'; rename channel '" + name + "'");
+      }
+    }
+  }
   std::vector<SweepPoint> points;
   const bool finished =
       SweepRecord(c.problem, 0, ParameterLayout(c.problem).InitialValues(),
@@ -222,6 +270,7 @@ int RunSweep(const Case& c) {
   summary.sweep = {load.input, load.amplitude, load.from_hz,
                    load.to_hz, points.size(),  finished};
   ResultFolder folder;
+  CatchInterrupts();
   if (!folder.Open(FLAGS_output_dir, FLAGS_overwrite, false, &error)) {
     return Refuse(error);
   }

@@ -42,7 +42,7 @@ grep -qF '"finished": true' linear/simulate.json || Fail "not finished"
 # With it, the curve turns back, and the part in between is not stable.
 Run 0 pinode_simulate --case=single.toml --output_dir=hard \
   --sweep=force_y --sweep_hz=40:160 --sweep_amplitude=0.05
-grep -qF "not stable between" stdout || Fail "stable"
+grep -qF "not stable from" stdout || Fail "stable"
 awk -F, 'NR > 2 { back += $1 < before } { before = $1 }
   END { exit back < 3 }' hard/sweep.csv || Fail "the curve does not turn back"
 
@@ -52,8 +52,17 @@ for hz in "" 5 5:5 0:5 a:b 5:inf; do
 done
 Refused "the case has 'force_y'" --case=single.toml --output_dir=E \
   --sweep=shaker --sweep_hz=40:80
-Refused "positive amplitude" --case=single.toml --output_dir=E \
+Refused "expected a positive number" --case=single.toml --output_dir=E \
   --sweep=force_y --sweep_hz=40:80 --sweep_amplitude=-1
-Refused "at least 2 points" --case=single.toml --output_dir=E \
-  --sweep=force_y --sweep_hz=40:80 --sweep_points=1
-Refused "needs --sweep" --case=single.toml --output_dir=E --sweep_hz=40:80
+for points in 1 200000000; do
+  Refused "expected 2 to 100000" --case=single.toml --output_dir=E \
+    --sweep=force_y --sweep_hz=40:80 --sweep_points=$points
+done
+for flag in sweep_hz=40:80 sweep_amplitude=2 sweep_points=9; do
+  Refused "need --sweep" --case=single.toml --output_dir=E --$flag
+done
+Refused "no noise" --case=single.toml --output_dir=E --sweep=force_y \
+  --sweep_hz=40:80 --seed=3
+sed 's|^  unit     = "m"|&\n  name = "neglected"|' single.toml >name.toml
+Refused "two columns 'neglected'" --case=name.toml --output_dir=E \
+  --sweep=force_y --sweep_hz=40:80

@@ -86,8 +86,9 @@ struct SimulationSummary {
 };
 
 // Writes {"schema": "pinode-simulate-1", "case", "noise_percent", "seed",
-// "records": [{"name", "samples", "finite"}]} to the file `path`, and "sweep"
-// if there was one. Returns false, with *error, if the file cannot be written.
+// "records": [{"name", "samples", "finite"}]} to the file `path`, and "sweep":
+// {"load", "amplitude", "from_hz", "to_hz", "points", "finished"} if there was
+// one. Returns false, with *error, if the file cannot be written.
 [[nodiscard]] bool WriteSimulationSummary(const std::string& path,
                                           const SimulationSummary& summary,
                                           std::string* error);

@@ -230,32 +230,40 @@ bool HarmonicBalance::Factor(std::string* error) {
   return true;
 }
 
+bool HarmonicBalance::EvaluateLaws(double phase, const Vector& active,
+                                   double* results, double* slopes) {
+  const Eigen::Index outputs = laws_.num_outputs();
+  const Eigen::Index internal = laws_.num_internal();
+  for (Eigen::Index a = 0; a < active.size(); ++a) {
+    state_[active_[static_cast<size_t>(a)]] = active[a];
+  }
+  const Vector input =
+      input_.mean + scale_ * std::cos(phase) * input_.amplitude;
+  laws_.Linearize(prepared_, 0.0, input.data(), state_.data(), results,
+                  &law_slopes_);
+  Eigen::Map<Vector> result(results, outputs + internal);
+  Eigen::Map<Matrix> slope(slopes, outputs + internal, active.size());
+  slope = law_slopes_.leftCols(active.size());
+  // The part of z that is in F is added back.
+  result.tail(internal) += shift_ * active.tail(internal);
+  slope.bottomRightCorner(internal, internal).diagonal().array() += shift_;
+  return result.allFinite() && slope.allFinite();
+}
+
 bool HarmonicBalance::Sample(int harmonics, int samples, const Vector& unknowns,
                              Matrix* results, Matrix* slopes) {
   const Eigen::Index active = num_active();
-  const Eigen::Index outputs = laws_.num_outputs();
-  const Eigen::Index internal = laws_.num_internal();
   const Matrix path =
       Eigen::Map<const Matrix>(unknowns.data(), active, 2 * harmonics + 1) *
       Basis(harmonics, samples);
-  results->resize(outputs + internal, samples);
-  slopes->resize((outputs + internal) * active, samples);
-  Matrix slope;
+  results->resize(real_actions_.cols(), samples);
+  slopes->resize(real_actions_.cols() * active, samples);
+  bool finite = true;
   for (int j = 0; j < samples; ++j) {
-    for (Eigen::Index a = 0; a < active; ++a) {
-      state_[active_[static_cast<size_t>(a)]] = path(a, j);
-    }
-    const Vector input = input_.mean + scale_ * std::cos(kTwoPi * j / samples) *
-                                           input_.amplitude;
-    laws_.Linearize(prepared_, 0.0, input.data(), state_.data(),
-                    results->col(j).data(), &slope);
-    Eigen::Map<Matrix> own(slopes->col(j).data(), outputs + internal, active);
-    own = slope.leftCols(active);
-    // The part of z that is in F is added back.
-    results->col(j).tail(internal) += shift_ * path.col(j).tail(internal);
-    own.bottomRightCorner(internal, internal).diagonal().array() += shift_;
+    finite &= EvaluateLaws(kTwoPi * j / samples, path.col(j),
+                           results->col(j).data(), slopes->col(j).data());
   }
-  return results->allFinite() && slopes->allFinite();
+  return finite;
 }
 
 ComplexMatrix HarmonicBalance::Solve(int k, double omega,
@@ -341,21 +349,22 @@ Matrix HarmonicBalance::StateCoefficients(int harmonics, double omega,
 
 double HarmonicBalance::LargestMultiplier(int harmonics, double omega,
                                           const Vector& unknowns) {
-  // Steps are halved until the distance from the limit of 1 is settled.
-  constexpr int kFirstSteps = 32;
+  // Steps are halved until the distance from the limit of 1 has been settled
+  // twice: two lengths may step over the same kink of a law.
   constexpr int kMostSteps = 8192;
   constexpr double kSettled = 0.1;
   constexpr double kNoDistance = 1e-7;
-  int steps = kFirstSteps;
-  double before = LargestMultiplierWith(harmonics, omega, steps, unknowns);
-  while (steps < kMostSteps) {
-    steps *= 2;
+  double before = kNaN;
+  bool settled = false;
+  for (int steps = NumSamples(harmonics); steps <= kMostSteps; steps *= 2) {
     const double now = LargestMultiplierWith(harmonics, omega, steps, unknowns);
+    if (std::isnan(now)) return now;
     const double change = std::abs(now - before);
+    const bool agrees =
+        change < kSettled * std::abs(now - 1.0) || change < kNoDistance;
     // The error falls with the square of the step.
-    if (change < kSettled * std::abs(now - 1.0) || change < kNoDistance) {
-      return now + (now - before) / 3.0;
-    }
+    if (agrees && settled) return now + (now - before) / 3.0;
+    settled = agrees;
     before = now;
   }
   return kNaN;
@@ -364,8 +373,10 @@ double HarmonicBalance::LargestMultiplier(int harmonics, double omega,
 double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
                                               int steps,
                                               const Vector& unknowns) {
-  Matrix results, slopes;
-  if (!Sample(harmonics, steps, unknowns, &results, &slopes)) return kNaN;
+  // So often the motion is brought to the norm 1.
+  constexpr int kStepsOfOneScale = 16;
+  // Its logarithm is at most this, which a file can hold.
+  constexpr double kMostGrowth = 690.0;
   const Eigen::Index states = poles_.size();
   const Eigen::Index active = num_active();
   const double dt = kTwoPi / omega / steps;
@@ -373,13 +384,21 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
   // by the trapezoidal rule, which no slope makes unstable.
   const ComplexVector flow = (dt * poles_.array()).exp();
   const Matrix loop = real_active_ * real_actions_;
+  const Eigen::Map<const Matrix> coefficients(unknowns.data(), active,
+                                              2 * harmonics + 1);
+  Vector result(real_actions_.cols());
+  Matrix slope(real_actions_.cols(), active);
   // Transposed: a state is a column, which is contiguous.
   Matrix motion = Matrix::Identity(states, states);
   Matrix turned(states, states);
+  double log_size = 0.0;
   for (int j = 0; j < steps; ++j) {
-    const Eigen::Map<const Matrix> slope(slopes.col(j).data(),
-                                         real_actions_.cols(), active);
+    const double phase = kTwoPi * j / steps;
     if (active > 0) {
+      if (!EvaluateLaws(phase, ValueAt(coefficients, phase), result.data(),
+                        slope.data())) {
+        return kNaN;
+      }
       const Matrix kick =
           dt * slope *
           (Matrix::Identity(active, active) - 0.5 * dt * loop * slope)
@@ -399,29 +418,39 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
       ++m;
     }
     motion.swap(turned);
+    if (j % kStepsOfOneScale != 0) continue;
+    const double size = motion.norm();
+    if (!std::isfinite(size)) return kNaN;
+    if (!(size > 0.0)) return 0.0;
+    motion /= size;
+    log_size += std::log(size);
   }
   // Growth of the powers of the motion: A^(2^p) grows as the largest
   // multiplier to the power 2^p.
   constexpr int kMostSquarings = 24;
   constexpr double kSame = 1e-8;
-  double log_size = 0.0, power = 1.0, before = kNaN;
+  double power = 1.0, before = kNaN;
   for (int p = 0; p < kMostSquarings; ++p) {
     const double size = motion.norm();
+    if (!std::isfinite(size)) return kNaN;
     if (!(size > 0.0)) return 0.0;
     motion /= size;
     log_size += std::log(size);
     turned.noalias() = motion * motion;
     const double next = std::log(turned.norm());
-    if (!std::isfinite(next)) return 0.0;
+    if (std::isnan(next)) return kNaN;
+    if (std::isinf(next)) return 0.0;
     // log |A^(2^(p+1))| = 2 log_size + next, less log |A^(2^p)| = log_size.
     const double growth = (log_size + next) / power;
     motion.swap(turned);
     log_size *= 2.0;
     power *= 2.0;
-    if (std::abs(growth - before) < kSame) return std::exp(growth);
+    if (std::abs(growth - before) < kSame) {
+      return std::exp(std::min(growth, kMostGrowth));
+    }
     before = growth;
   }
-  return std::exp(before);
+  return std::exp(std::min(before, kMostGrowth));
 }
 
 Vector ValueAt(const Matrix& coefficients, double phase) {

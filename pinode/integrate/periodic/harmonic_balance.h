@@ -78,7 +78,8 @@ class HarmonicBalance {
 
   // Largest modulus of the Floquet multipliers, the eigenvalues of the
   // linearised motion over one period about the solution. Above 1 the solution
-  // is unstable. NaN if it could not be computed.
+  // is unstable; 1 is the value of motion without damping. NaN if it could not
+  // be computed. At most 1e299.
   double LargestMultiplier(int harmonics, double omega, const Vector& unknowns);
 
  private:
@@ -86,9 +87,12 @@ class HarmonicBalance {
                   const StructuralDynamics::Prepared& prepared,
                   HarmonicInput input);
   [[nodiscard]] bool Factor(std::string* error);
-  // Evaluates the laws at each of `samples` instants of a period. Column j of
-  // *results is [r; dz/dt + shift_ z] at sample j, of *slopes its derivative by
-  // w, column after column.
+  // Evaluates the laws at a phase of the input, for the states w. `results` has
+  // [r; dz/dt + shift_ z], `slopes` its derivative by w, column after column.
+  // Returns false if one is not finite.
+  [[nodiscard]] bool EvaluateLaws(double phase, const Vector& active,
+                                  double* results, double* slopes);
+  // Does so at each of `samples` instants of a period, one column each.
   [[nodiscard]] bool Sample(int harmonics, int samples, const Vector& unknowns,
                             Matrix* results, Matrix* slopes);
   // Returns (i k omega - F)^-1 times `right`, both in modal coordinates.
@@ -119,6 +123,7 @@ class HarmonicBalance {
   // rows of the states w, and the actions.
   Matrix real_active_, real_actions_;
   Vector state_;  // for the laws
+  Matrix law_slopes_;
 };
 
 // Returns the value at the phase omega t of a signal with these coefficients.

@@ -13,7 +13,7 @@ namespace {
 
 // Newton's iterations of one point, and the residual at which they end,
 // relative to the unknowns.
-constexpr int kMostIterations = 12;
+constexpr int kMostNewtonSteps = 12;
 constexpr double kConverged = 1e-11;
 // Stands for the norm of a response that is zero.
 constexpr double kTiny = 1e-300;
@@ -72,6 +72,11 @@ class Follower {
     return (omega - options_.from) * (omega - options_.to) <= 0.0;
   }
 
+  bool IsBeyondEnd(double omega) const {
+    return !IsInside(omega) &&
+           std::abs(omega - options_.to) < std::abs(omega - options_.from);
+  }
+
   const ResponseCurveOptions& options_;
   HarmonicBalance* balance_;
   int harmonics_;
@@ -85,7 +90,7 @@ bool Follower::Correct(const Vector& tangent, double scale, Point* point) {
   const Point predicted = *point;
   const Eigen::Index n = point->unknowns.size();
   const bool fixed = tangent.size() == 0;
-  for (iterations_ = 0; iterations_ < kMostIterations; ++iterations_) {
+  for (iterations_ = 0; iterations_ < kMostNewtonSteps; ++iterations_) {
     if (!(point->omega > 0.0) ||
         !balance_->Evaluate(harmonics_, point->omega, point->unknowns,
                             &equations_)) {
@@ -171,18 +176,25 @@ void Follower::Pad(int harmonics, Vector* vector) const {
 }
 
 void Follower::Refine(Point* point) {
+  // A system of so many unknowns takes about a second.
+  constexpr int kMostUnknowns = 4000;
   while (equations_.neglected > options_.tolerance &&
          harmonics_ < options_.most_harmonics) {
     const int before = harmonics_;
+    const double neglected = equations_.neglected;
     harmonics_ = std::min(2 * harmonics_ + 1, options_.most_harmonics);
     Point finer = *point;
-    Pad(harmonics_, &finer.unknowns);
-    if (!Correct({}, 1.0, &finer)) {
-      // Near a point at which the curve turns back, the next point may do.
-      harmonics_ = before;
-      return;
+    if (balance_->num_unknowns(harmonics_) <= kMostUnknowns) {
+      Pad(harmonics_, &finer.unknowns);
+      if (Correct({}, 1.0, &finer)) {
+        *point = std::move(finer);
+        continue;
+      }
     }
-    *point = std::move(finer);
+    // Near a point at which the curve turns back, the next point may do.
+    harmonics_ = before;
+    equations_.neglected = neglected;
+    return;
   }
 }
 
@@ -239,13 +251,16 @@ bool Follower::Run(std::string* error) {
     next.unknowns = point.unknowns + length * scale * tangent.head(n);
     next.omega = point.omega + length * range_ * tangent[n];
     // The last point is the end of the range.
-    const bool is_last =
-        !IsInside(next.omega) && std::abs(next.omega - options_.to) <
-                                     std::abs(next.omega - options_.from);
+    bool is_last = IsBeyondEnd(next.omega);
     if (is_last) next.omega = options_.to;
-    if (!Correct(is_last ? Vector() : tangent, scale, &next) ||
-        (is_last && (next.unknowns - point.unknowns).norm() >
-                        kFarthestEnd * length * scale)) {
+    bool found = Correct(is_last ? Vector() : tangent, scale, &next);
+    if (found && IsBeyondEnd(next.omega)) {
+      is_last = true;
+      next.omega = options_.to;
+      found = Correct({}, scale, &next);
+    }
+    if (!found || (is_last && (next.unknowns - point.unknowns).norm() >
+                                  kFarthestEnd * length * scale)) {
       length *= 0.5;
       if (length < kShortest * longest) {
         *error =

@@ -195,6 +195,40 @@ TEST(ResponseCurve, OfHysteresisIsWhatARunComesTo) {
   EXPECT_NEAR(rate[0], ValueAt(last.states, 0.3)[2], 1e-6);
 }
 
+// A mass that a spring pushes away grows by exp(sqrt(k) T) in a period.
+TEST(ResponseCurve, MultiplierOfAMotionThatGrowsIsNotZero) {
+  ForcedChain chain(1, -1.0, 0.0, 0.3);
+  for (const PeriodicResponse& point : chain.Curve(Between(0.002, 0.05, 10))) {
+    EXPECT_NEAR(std::log(point.largest_multiplier),
+                std::min(kTwoPi / point.omega, 690.0), 1e-6);
+  }
+}
+
+// A law that acts in a small part of the period only.
+TEST(ResponseCurve, MultipliersOfFrictionVarySmoothly) {
+  ForcedChain chain(1, 4.0, 0.4, 1.0);
+  chain.Add("coulomb", Feature::kGround, 0, {0.3, 0.05});
+  const auto curve = chain.Curve(Between(1.0, 1.1, 8));
+  for (size_t i = 1; i < curve.size(); ++i) {
+    EXPECT_NEAR(curve[i].largest_multiplier, curve[i - 1].largest_multiplier,
+                0.05 * curve[i].largest_multiplier);
+  }
+  const PeriodicResponse& last = curve.back();
+  EXPECT_NEAR(last.largest_multiplier,
+              chain.MultiplierOfRuns(last.omega, ValueAt(last.states, 0.0)),
+              0.02);
+}
+
+TEST(ResponseCurve, EndsAtAnyFrequency) {
+  ForcedChain chain(1, 1.0, 0.1, 0.3);
+  chain.Add("cubic", Feature::kGround, 0, {0.5});
+  for (int i = 0; i < 30; ++i) {
+    const double to = 0.8 + 0.013 * i;
+    const auto curve = chain.Curve(Between(0.5, to, 7 + i % 5));
+    EXPECT_EQ(curve.back().omega, to);
+  }
+}
+
 TEST(ResponseCurve, EndsWhenItIsTold) {
   ForcedChain chain(1, 1.0, 0.1, 0.3);
   EXPECT_EQ(chain.Curve(Between(0.3, 3.0, 60), 5).size(), 5u);

@@ -1,6 +1,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -187,10 +188,19 @@ py::dict Sweep(const std::shared_ptr<const CaseHandle>& handle,
   const auto points = std::make_shared<std::vector<SweepPoint>>();
   const auto message = std::make_shared<std::string>();
   const auto finished = std::make_shared<bool>(false);
-  RunInterruptibly([handle, wanted, parameters, points, message, finished] {
-    *finished = SweepRecord(handle->c.problem, 0, parameters, wanted, {},
-                            points.get(), message.get());
-  });
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  try {
+    RunInterruptibly(
+        [handle, wanted, parameters, points, message, finished, ended] {
+          *finished = SweepRecord(
+              handle->c.problem, 0, parameters, wanted,
+              [ended](double) { return !*ended; }, points.get(), message.get());
+        });
+  } catch (...) {
+    // The work goes on in the background until it sees this.
+    *ended = true;
+    throw;
+  }
   if (points->size() < 2) throw Error(*message);
   const auto column = [&points](const auto& value) {
     Vector result(static_cast<Eigen::Index>(points->size()));
@@ -217,6 +227,9 @@ py::dict Sweep(const std::shared_ptr<const CaseHandle>& handle,
   result["channels"] = std::move(channels);
   result["largest_multiplier"] =
       column([](const SweepPoint& p) { return p.largest_multiplier; });
+  result["num_harmonics"] =
+      column([](const SweepPoint& p) { return p.num_harmonics; });
+  result["neglected"] = column([](const SweepPoint& p) { return p.neglected; });
   result["finished"] = *finished;
   result["remark"] = *message;
   return result;

@@ -339,7 +339,9 @@ class Case:
         Returns arrays with an entry per point of the curve: `frequency_hz`; `channels` by
         name, each with `half_range` (half of the range), `amplitude` and `phase` (rad) of the
         load's own frequency, in the units of the first record's file; `largest_multiplier`,
-        above 1 where the response is not stable, NaN where it is not known. `finished` is
+        above 1 where the response is not stable (1 without damping), NaN where it is not
+        known; `num_harmonics`, and `neglected`, the relative size of those that were left
+        out: above 1e-3 a point is of no use. `finished` is
         False if the curve could not be followed to its end, and `remark` says why.
 
         Raises Error if the load is unknown, or if the model has a network or follows the time.

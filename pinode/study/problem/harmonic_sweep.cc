@@ -35,6 +35,32 @@ int FindLoad(const StructuralDynamics& dynamics, const std::string& name,
   return -1;
 }
 
+bool IsValid(const HarmonicLoad& load, std::string* error) {
+  // Far beyond what is measured, and what can be squared.
+  constexpr double kLargest = 1e100;
+  constexpr double kWidest = 1e6;
+  constexpr int kMostPoints = 100000;
+  if (!(load.amplitude > 1.0 / kLargest && load.amplitude < kLargest)) {
+    *error = "the amplitude of a sweep is " + FormatNumber(load.amplitude) +
+             ", expected a positive number";
+    return false;
+  }
+  const double lower = std::min(load.from_hz, load.to_hz);
+  const double upper = std::max(load.from_hz, load.to_hz);
+  if (!(lower > 1.0 / kLargest && upper > lower && upper < kWidest * lower)) {
+    *error =
+        "a sweep has two different positive frequencies, the larger one at "
+        "most a million times the other";
+    return false;
+  }
+  if (load.num_points < 2 || load.num_points > kMostPoints) {
+    *error = "a sweep has " + std::to_string(load.num_points) +
+             " points, expected 2 to " + std::to_string(kMostPoints);
+    return false;
+  }
+  return true;
+}
+
 // Responses of the channels at one point of the curve.
 class Channels {
  public:
@@ -125,16 +151,7 @@ bool SweepRecord(const IdentificationProblem& problem, int record,
   const StructuralDynamics& dynamics = *problem.dynamics;
   const IdentificationRecord& data =
       problem.records.at(static_cast<size_t>(record));
-  const bool valid = load.amplitude > 0.0 && std::isfinite(load.amplitude) &&
-                     load.from_hz > 0.0 && load.to_hz > 0.0 &&
-                     std::isfinite(load.from_hz) && std::isfinite(load.to_hz) &&
-                     load.from_hz != load.to_hz && load.num_points >= 2;
-  if (!valid) {
-    *error =
-        "a sweep has a positive amplitude, two different positive frequencies "
-        "and at least 2 points";
-    return false;
-  }
+  if (!IsValid(load, error)) return false;
   const int index = FindLoad(dynamics, load.input, error);
   if (index < 0) return false;
   if (!dynamics.unknown_forces().empty()) {

@@ -22,7 +22,7 @@ struct HarmonicLoad {
   // First and last frequency in Hz, both positive and not equal.
   double from_hz = 0.0;
   double to_hz = 0.0;
-  // Number of points if the curve does not turn back, at least 2.
+  // Number of points if the curve does not turn back, from 2 to 100000.
   int num_points = 200;
 };
 
@@ -35,12 +35,15 @@ struct SweepPoint {
   Vector half_range;
   Vector amplitude;
   Vector phase;
-  // Largest modulus of the Floquet multipliers; NaN: not known. The response is
-  // stable, so that a structure can show it, if it is below 1.
+  // Largest modulus of the Floquet multipliers; NaN: not known. A structure
+  // shows the response only if it is stable. See IsUnstable().
   double largest_multiplier = 0.0;
   // Number of harmonics, and relative size of those that were left out.
   int num_harmonics = 0;
   double neglected = 0.0;
+
+  // True if the multiplier is above 1, that of motion without damping.
+  bool IsUnstable() const { return largest_multiplier > 1.0 + 1e-6; }
 };
 
 // Computes the periodic responses of a record's channels. Other loads are zero;
