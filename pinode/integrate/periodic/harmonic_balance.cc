@@ -374,7 +374,7 @@ double HarmonicBalance::LargestMultiplierWith(int harmonics, double omega,
                                               int steps,
                                               const Vector& unknowns) {
   // So often the motion is brought to the norm 1.
-  constexpr int kStepsOfOneScale = 16;
+  constexpr int kStepsOfOneScale = 4;
   // Its logarithm is at most this, which a file can hold.
   constexpr double kMostGrowth = 690.0;
   const Eigen::Index states = poles_.size();
