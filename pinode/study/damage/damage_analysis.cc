@@ -53,6 +53,19 @@ Candidates Without(const Candidates& all, const Candidates& taken) {
   return rest;
 }
 
+// Motion that an explanation with fewer unknowns may leave to be as good as the
+// fit of `summary`: somewhat more, or what noise alone may be taken for.
+double LeftOrNoise(const FitSummary& summary) {
+  constexpr double kSomewhatMore = 1.5;
+  double left = kSomewhatMore * MissedOf(summary, 0.0);
+  for (const RecordScore& record : summary.records) {
+    if (record.role == IdentificationRecord::Role::kTrain) {
+      left = std::max(left, kLeastMissed * record.nrmse);
+    }
+  }
+  return left;
+}
+
 class Analyst {
  public:
   Analyst(const IdentificationProblem& problem,
@@ -81,15 +94,7 @@ class Analyst {
     fit_of_groups_ = fit_of_new_;
     missed_by_groups_ = MissedOf(summary, kLeastMissed);
     candidates_ = MakeChangeCandidates(problem_, search_, summary, model);
-    for (const ChangeCandidate& candidate : candidates_) {
-      const std::string place =
-          std::string(ChangeKindName(candidate.subject.kind)) + " at " +
-          candidate.subject.place;
-      if (std::find(result_.places.begin(), result_.places.end(), place) ==
-          result_.places.end()) {
-        result_.places.push_back(place);
-      }
-    }
+    AddPlaces(candidates_);
     std::string why;
     verdict_ = summary.verdict;
     choice_ = summary.choice;
@@ -103,16 +108,7 @@ class Analyst {
       result_.remarks.push_back(
           "The kinds of change could not be told apart: " + why + ".");
     }
-    if (const Explanation* fault = FaultInsteadOfChanges(
-            summary.explanations, kinds ? found_.size() : 0)) {
-      *error =
-          "one fault of the measurement explains the new records as well "
-          "as " +
-          std::to_string(found_.size()) +
-          " changes of the structure: " + fault->what +
-          ". Check it, correct the case and run again";
-      return false;
-    }
+    if (kinds && IsFaultInstead(summary.explanations, error)) return false;
     if (!kinds) {
       found_.clear();
       fit_of_new_ = {kNewRecords, problem_, summary, model};
@@ -121,6 +117,36 @@ class Analyst {
   }
 
  private:
+  // Adds the places of `candidates` to those of the result, each once.
+  void AddPlaces(const Candidates& candidates) {
+    for (const ChangeCandidate& candidate : candidates) {
+      const std::string place =
+          std::string(ChangeKindName(candidate.subject.kind)) + " at " +
+          candidate.subject.place;
+      if (std::find(result_.places.begin(), result_.places.end(), place) ==
+          result_.places.end()) {
+        result_.places.push_back(place);
+      }
+    }
+  }
+
+  // True, with *error, if faults of the measurement explain the new records as
+  // well as the changes that were found.
+  bool IsFaultInstead(const std::vector<Explanation>& explanations,
+                      std::string* error) const {
+    if (problem_.num_train_records() == 0) return false;
+    const Explanation* fault = FaultInsteadOfChanges(
+        explanations, found_.size(), LeftOrNoise(fit_of_new_.summary));
+    if (fault == nullptr) return false;
+    const bool is_one = fault->kind.find('+') == std::string::npos;
+    *error = std::string(is_one ? "one fault of the measurement explains"
+                                : "faults of the measurement explain") +
+             " the new records as well as " + std::to_string(found_.size()) +
+             " changes of the structure: " + fault->what +
+             ". Check it, correct the case and run again";
+    return true;
+  }
+
   ChangeOptions OptionsFor(const Candidates& candidates, double rate) const {
     ChangeOptions options = options_;
     options.false_alarm_rate = rate;
@@ -207,41 +233,79 @@ class Analyst {
   bool LookForDampers(std::string* error) {
     const double missed = MissedOf(fit_of_new_.summary, 0.0);
     if (!(missed > limits::kNotedUnexplained)) return true;
-    const State begin{found_, in_both_, fit_of_new_};
+    const State begin{found_, fit_of_new_};
     std::optional<State> best;
     double least = 0.5 * missed;
     std::string unused;
     for (const Candidates& dampers :
          DampersToTry(problem_.dynamics->model(), found_, candidates_)) {
       Return(begin);
-      const bool fits = FitWith(dampers, &unused);
-      if (interrupted_) return false;
+      const bool fits = FitNewWith(dampers, &unused);
+      if (interrupted_) {
+        *error = "interrupted";
+        return false;
+      }
       const double left = MissedOf(fit_of_new_.summary, 0.0);
-      if (!fits || !(left < least)) continue;
+      if (!fits || !(left < least) || IsDrivenByDamping()) continue;
       least = left;
-      best = State{found_, in_both_, fit_of_new_};
+      best = State{found_, fit_of_new_};
     }
     Return(best.has_value() ? *best : begin);
-    if (!best.has_value()) return true;
-    for (const ChangeCandidate& damper : Without(found_, candidates_)) {
-      candidates_.push_back(damper);
-    }
-    return WideStates(error);
+    if (best.has_value() && !TakeDampers()) Return(begin);
+    return true;
   }
 
-  // Result of the search so far.
+  // Makes the dampers of found_ candidates. False, with all as it was except
+  // found_ and fit_of_new_, where the states with them are not finite.
+  bool TakeDampers() {
+    const Candidates before = candidates_;
+    const std::vector<FitOfRecords> fits = healthy_records_.fits();
+    std::vector<GroupState> healthy = healthy_;
+    GroupState current = current_;
+    const Candidates dampers = Without(found_, candidates_);
+    candidates_.insert(candidates_.end(), dampers.begin(), dampers.end());
+    RefitBaselines();
+    std::string unused;
+    if (!WideStates(&unused)) {
+      candidates_ = before;
+      healthy_records_.Restore(fits);
+      healthy_ = std::move(healthy);
+      current_ = std::move(current);
+      return false;
+    }
+    AddPlaces(dampers);
+    return true;
+  }
+
+  bool IsDrivenByDamping() const {
+    const StructuralDynamics& dynamics = *fit_of_new_.problem.dynamics;
+    return HasNegativeDamping(
+        dynamics
+            .CorrectedModel(
+                fit_of_new_.model.parameters.head(dynamics.num_parameters()))
+            .damping);
+  }
+
+  // Result of the search so far, before the baselines are fitted with it.
   struct State {
-    Candidates found, in_both;
+    Candidates found;
     FitOfRecords fit;
   };
   void Return(const State& state) {
     found_ = state.found;
-    in_both_ = state.in_both;
     fit_of_new_ = state.fit;
   }
 
-  // Takes `candidates` for found_ and fits the new records with them.
+  // Takes `candidates` for found_ and fits the new records with them, and the
+  // baselines that they explain.
   bool FitWith(const Candidates& candidates, std::string* error) {
+    if (!FitNewWith(candidates, error)) return false;
+    RefitBaselines();
+    return true;
+  }
+
+  // Takes `candidates` for found_ and fits the new records alone with them.
+  bool FitNewWith(const Candidates& candidates, std::string* error) {
     FitOfRecords fit;
     fit.name = kNewRecords;
     if (!AddCandidates(problem_, candidates, &fit.problem, error)) {
@@ -268,6 +332,10 @@ class Analyst {
     }
     found_ = candidates;
     fit_of_new_ = std::move(fit);
+    return true;
+  }
+
+  void RefitBaselines() {
     // Candidates that leave motion unexplained are not what the model lacks.
     if (MissedOf(fit_of_new_.summary, 0.0) < limits::kNotedUnexplained &&
         healthy_records_.RefitWith(
@@ -275,7 +343,6 @@ class Analyst {
             &inner_)) {
       in_both_ = found_;
     }
-    return true;
   }
 
   // The result with the kinds of change that were found, by the main job.

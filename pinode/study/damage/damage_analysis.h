@@ -39,7 +39,8 @@ struct DamageResult {
   std::vector<ChangeSubject> subjects;
   ChangeEstimate estimate;
   Judgement judgement;
-  // Names of the places at which masses or nonlinear forces were searched for.
+  // Names of the places at which masses, nonlinear forces or other kinds of
+  // change were searched for.
   std::vector<std::string> places;
   // Remarks for the user, one sentence each, for instance the reason why kinds
   // of change were not distinguished.
@@ -64,11 +65,19 @@ struct DamageResult {
 // these masses and forces as further unknowns. If one of them is found, the new
 // records are identified again with it.
 //
+// If motion is still unexplained, dampers are fitted: instead of the nonlinear
+// forces that were found, or at each of few springs (DampersToTry). They are
+// taken if they leave less than half of it.
+//
 // The second part needs Baseline::fit, which is fitted first if necessary. If
 // it is missing, a remark says so.
 //
-// Returns false, with *error, if fits, groups, places or options do not match,
-// or if EstimateChange fails.
+// Returns false, with *error:
+//
+// - if fits, groups, places or options do not match;
+// - if faults of the measurement explain the new records as well as more
+//   changes of the structure do (FaultInsteadOfChanges): the case is wrong;
+// - if nothing explains the new records, or EstimateChange fails.
 [[nodiscard]] bool AnalyseDamage(const IdentificationProblem& problem,
                                  const IdentificationSummary& summary,
                                  const IdentifiedModel& model,

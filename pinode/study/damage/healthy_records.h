@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/communicator.h"
@@ -46,6 +47,8 @@ class HealthyRecords {
                  const std::map<std::string, double>& values, InnerFit* inner);
   // Fits found by Refit, one per baseline.
   const std::vector<FitOfRecords>& fits() const { return fits_; }
+  // Puts former fits back.
+  void Restore(std::vector<FitOfRecords> fits) { fits_ = std::move(fits); }
 
   // Returns true if groups follow covariates that `problem` holds.
   bool MovesWithCovariates() const { return !held_.empty(); }

@@ -1,5 +1,6 @@
 #include "pinode/study/damage/linear_causes.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -80,44 +81,54 @@ bool IsOfMeasurement(const Explanation& explanation) {
 std::vector<std::vector<ChangeCandidate>> DampersToTry(
     const StructuralModel& model, const std::vector<ChangeCandidate>& found,
     const std::vector<ChangeCandidate>& candidates) {
-  const double per_stiffness = DampingPerStiffness(model);
-  if (!(per_stiffness > 0.0)) return {};
-  std::vector<ChangeCandidate> others, dampers;
+  std::vector<ChangeCandidate> others;
   for (const ChangeCandidate& candidate : found) {
     if (candidate.subject.kind != ChangeKind::kNonlinear) {
       others.push_back(candidate);
     }
   }
-  std::set<std::string> places;
   const bool has_forces = others.size() < found.size();
+  std::vector<const ChangeCandidate*> forces;  // one of each place
+  std::set<std::string> places;
   for (const ChangeCandidate& candidate : has_forces ? found : candidates) {
     if (candidate.subject.kind == ChangeKind::kNonlinear &&
         places.insert(candidate.subject.place).second) {
-      dampers.push_back(DamperAt(model, candidate, per_stiffness));
+      forces.push_back(&candidate);
     }
   }
-  if (has_forces) {
-    others.insert(others.end(), dampers.begin(), dampers.end());
-    return {others};
+  if (forces.empty() || (!has_forces && forces.size() > kMostSprings)) {
+    return {};
   }
+  const double per_stiffness = DampingPerStiffness(model);
+  if (!(per_stiffness > 0.0)) return {};
   std::vector<std::vector<ChangeCandidate>> sets;
-  if (dampers.size() > kMostSprings) return sets;
-  for (const ChangeCandidate& damper : dampers) {
-    sets.push_back(others);
-    sets.back().push_back(damper);
+  for (const ChangeCandidate* force : forces) {
+    if (sets.empty() || !has_forces) sets.push_back(others);
+    sets.back().push_back(DamperAt(model, *force, per_stiffness));
   }
   return sets;
 }
 
+bool HasNegativeDamping(const Matrix& damping) {
+  // Rounding of a direction without damping.
+  constexpr double kRounding = 1e-9;
+  const double largest = damping.diagonal().cwiseAbs().maxCoeff();
+  Matrix raised = 0.5 * (damping + damping.transpose());
+  raised.diagonal().array() += kRounding * std::max(largest, 1e-300);
+  return raised.llt().info() != Eigen::Success;
+}
+
 const Explanation* FaultInsteadOfChanges(
-    const std::vector<Explanation>& explanations, size_t num_changes) {
+    const std::vector<Explanation>& explanations, size_t num_changes,
+    double left_by_changes) {
   if (explanations.empty()) return nullptr;
   const Explanation& best = explanations[0];
   const auto parts = static_cast<size_t>(
       std::count(best.kind.begin(), best.kind.end(), '+') + 1);
   if (!IsOfMeasurement(best) || parts >= num_changes ||
       !(best.log_odds > limits::kLogOdds) ||
-      !(best.leaves < limits::kNotedUnexplained)) {
+      !(best.leaves < limits::kNotedUnexplained) ||
+      !(best.leaves <= left_by_changes)) {
     return nullptr;
   }
   for (const Explanation& other : explanations) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pinode/dynamics/feature.h"
 #include "pinode/study/damage/damage_analysis.h"
 #include "pinode/study/identify/identify.h"
 #include "tests/support/identify_testing.h"
@@ -60,31 +61,66 @@ TEST(LinearCauses, ADamperHasTheRatioOfTheFirstMode) {
   EXPECT_LT((dampers[1].matrix - expected).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// Eigenvalues of [[a, b], [b, a]] are a + b and a - b.
+TEST(LinearCauses, NegativeDampingIsThatOfAnyDirection) {
+  EXPECT_FALSE(HasNegativeDamping(Matrix{{2.0, 1.9}, {1.9, 2.0}}));
+  EXPECT_FALSE(HasNegativeDamping(Matrix{{2.0, 2.0}, {2.0, 2.0}}));
+  EXPECT_TRUE(HasNegativeDamping(Matrix{{2.0, 2.1}, {2.1, 2.0}}));
+  EXPECT_FALSE(HasNegativeDamping(Matrix::Zero(2, 2)));
+  // The antisymmetric part does no work.
+  EXPECT_FALSE(HasNegativeDamping(Matrix{{1.0, 9.0}, {-9.0, 1.0}}));
+}
+
+TEST(LinearCauses, EachOfManySpringsIsNotTried) {
+  StructuralModel model;
+  model.dof_names = {"u1"};
+  model.mass = model.stiffness = Matrix::Identity(1, 1);
+  model.damping = 0.02 * model.mass;
+  std::vector<ChangeCandidate> springs(9);
+  for (size_t i = 0; i < springs.size(); ++i) {
+    springs[i].subject.kind = ChangeKind::kNonlinear;
+    springs[i].subject.place = "k" + std::to_string(i + 1);
+    springs[i].from = Feature::kGround;
+    springs[i].to = 0;
+  }
+  EXPECT_TRUE(DampersToTry(model, {}, springs).empty());
+  // Forces that were found are few.
+  const auto instead = DampersToTry(model, springs, {});
+  ASSERT_EQ(instead.size(), 1u);
+  EXPECT_EQ(instead[0].size(), 9u);
+  springs.pop_back();
+  EXPECT_EQ(DampersToTry(model, {}, springs).size(), 8u);
+}
+
 TEST(LinearCauses, AFaultStandsForMoreChangesThanItHasParts) {
   const Explanation gain = ExplanationOf("excitation_scale", 500.0, 0.002);
-  EXPECT_NE(FaultInsteadOfChanges({gain}, 2), nullptr);
-  EXPECT_EQ(FaultInsteadOfChanges({gain}, 1), nullptr);
-  EXPECT_EQ(FaultInsteadOfChanges({}, 5), nullptr);
+  EXPECT_NE(FaultInsteadOfChanges({gain}, 2, 0.01), nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges({gain}, 1, 0.01), nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges({}, 5, 0.01), nullptr);
   const Explanation two =
       ExplanationOf("sensor_gain+sensor_delay", 500.0, 0.002);
-  EXPECT_EQ(FaultInsteadOfChanges({two}, 2), nullptr);
-  EXPECT_NE(FaultInsteadOfChanges({two}, 3), nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges({two}, 2, 0.01), nullptr);
+  EXPECT_NE(FaultInsteadOfChanges({two}, 3, 0.01), nullptr);
   // A mass is no fault, and leftover motion no explanation.
-  EXPECT_EQ(FaultInsteadOfChanges({ExplanationOf("mass", 500.0, 0.0)}, 5),
+  EXPECT_EQ(FaultInsteadOfChanges({ExplanationOf("mass", 500.0, 0.0)}, 5, 0.01),
             nullptr);
-  EXPECT_EQ(
-      FaultInsteadOfChanges({ExplanationOf("sensor_gain+mass", 500.0, 0.0)}, 5),
-      nullptr);
-  EXPECT_EQ(
-      FaultInsteadOfChanges({ExplanationOf("excitation_scale", 500.0, 0.1)}, 5),
-      nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges(
+                {ExplanationOf("sensor_gain+mass", 500.0, 0.0)}, 5, 0.01),
+            nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges(
+                {ExplanationOf("excitation_scale", 500.0, 0.1)}, 5, 0.01),
+            nullptr);
+  // The changes leave less.
+  EXPECT_EQ(FaultInsteadOfChanges(
+                {ExplanationOf("excitation_scale", 500.0, 0.019)}, 5, 0.001),
+            nullptr);
   // A mass that is as likely.
-  EXPECT_EQ(
-      FaultInsteadOfChanges({gain, ExplanationOf("mass", 499.5, 0.002)}, 5),
-      nullptr);
-  EXPECT_NE(
-      FaultInsteadOfChanges({gain, ExplanationOf("mass", 300.0, 0.002)}, 5),
-      nullptr);
+  EXPECT_EQ(FaultInsteadOfChanges({gain, ExplanationOf("mass", 499.5, 0.002)},
+                                  5, 0.01),
+            nullptr);
+  EXPECT_NE(FaultInsteadOfChanges({gain, ExplanationOf("mass", 300.0, 0.002)},
+                                  5, 0.01),
+            nullptr);
 }
 
 // Drag and friction look like it, but the structure is linear.
