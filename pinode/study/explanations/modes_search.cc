@@ -44,6 +44,15 @@ Suspect LeftOut(const IdentificationProblem& problem, size_t i) {
   return suspect;
 }
 
+// True if a shape with an entry at `place` has two others.
+bool OthersRemain(int place, const ModalData& data) {
+  return std::any_of(
+      data.modes.begin(), data.modes.end(), [place](const MeasuredMode& mode) {
+        return mode.dofs.size() > 2 &&
+               std::count(mode.dofs.begin(), mode.dofs.end(), place) > 0;
+      });
+}
+
 }  // namespace
 
 int NumbersOf(const MeasuredMode& mode) {
@@ -172,10 +181,12 @@ void ModesSearch::AddGains() {
   const std::vector<int> places = MeasuredPlaces(problem_.modal);
   if (places.size() > kMostGainPlaces) return;
   for (const int place : places) {
+    if (interrupted_) return;
+    if (!OthersRemain(place, problem_.modal)) continue;
     IdentificationProblem without = problem_;
     LeaveOutPlace(place, &without.modal);
     std::string unused;
-    if (interrupted_ || !without.IsValid(&unused)) return;
+    if (!without.IsValid(&unused)) continue;
     const IdentifiedModel begin =
         BeginFrom(ParametersByName(problem_, model_), model_, without);
     FitSummary fit;
@@ -188,7 +199,9 @@ void ModesSearch::AddGains() {
     }
     std::optional<Suspect> gain =
         MakeGainOfShapes(problem_, model.parameters, place);
-    if (gain.has_value()) suspects_.push_back(std::move(*gain));
+    if (!gain.has_value()) continue;
+    gain->num_compared = places.size();
+    suspects_.push_back(std::move(*gain));
   }
 }
 
@@ -235,10 +248,12 @@ void ModesSearch::Try(const Refit& from, std::vector<size_t> suspects) {
 }
 
 double ModesSearch::LogOdds(const Refit& refit) const {
-  double unknowns = 0.0, left_out = 0.0;
+  double unknowns = 0.0, left_out = 0.0, choice = 0.0;
   for (const size_t i : refit.suspects) {
     const Suspect& suspect = suspects_[i];
     unknowns += static_cast<double>(suspect.Unknowns().size());
+    choice += std::log(
+        static_cast<double>(std::max(suspects_.size(), suspect.num_compared)));
     // A gain is an unknown, a sign is not.
     for (const Suspect::ShapeChange& change : suspect.shape_changes) {
       unknowns += change.kind == Suspect::ShapeChange::Kind::kScale &&
@@ -261,9 +276,7 @@ double ModesSearch::LogOdds(const Refit& refit) const {
   return 0.5 * count *
              std::log(mean_square(fit_, left_) /
                       mean_square(refit.fit, left_ + gained)) -
-         0.5 * unknowns * std::log(std::max(count, 2.0)) -
-         static_cast<double>(refit.suspects.size()) *
-             std::log(static_cast<double>(suspects_.size()));
+         0.5 * unknowns * std::log(std::max(count, 2.0)) - choice;
 }
 
 const Refit* ModesSearch::Best() const {

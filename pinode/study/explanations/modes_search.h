@@ -39,7 +39,8 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 // of sensors alone are tried.
 //
 // The log odds of a refit with k unknowns among n candidates are those of
-// Explain,
+// Explain (n is larger for a fault that was chosen among more than that, as two
+// of 60 sensors swapped),
 //
 //   N / 2 log(s / s') - k / 2 log N - log n,
 //

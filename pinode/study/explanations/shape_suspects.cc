@@ -21,6 +21,8 @@ using ShapeChange = Suspect::ShapeChange;
 
 // Number of places up to which pairs of them are compared.
 constexpr size_t kMostComparedPlaces = 60;
+// Number of modes up to which the sign of each entry is turned.
+constexpr size_t kMostComparedModes = 20;
 // Gain of likeness from which a fault is worth a refit: a MAC of 0.98 that
 // becomes 1.
 constexpr double kLeastLikeness = 0.02;
@@ -40,6 +42,13 @@ void ScaleEntry(int dof, double factor, MeasuredMode* mode) {
   const int at = PositionOf(dof, *mode);
   if (at < 0) return;
   mode->shape[at] *= factor;
+  // One standard deviation is no longer that of all entries.
+  if (mode->shape_sigma > 0.0 && std::abs(factor) != 1.0) {
+    const double variance = mode->shape_sigma * mode->shape_sigma;
+    mode->shape_covariance =
+        variance * Matrix::Identity(mode->shape.size(), mode->shape.size());
+    mode->shape_sigma = 0.0;
+  }
   if (mode->shape_covariance.size() > 0) {
     mode->shape_covariance.row(at) *= factor;
     mode->shape_covariance.col(at) *= factor;
@@ -92,6 +101,12 @@ double LikenessTo(const UndampedModes& modes, const ModalData& data) {
   return sum;
 }
 
+// Faults of one kind.
+struct RankedSuspects {
+  size_t num_compared = 0;
+  std::vector<std::pair<double, Suspect>> better;  // by likeness gained
+};
+
 // Compares changed modes with those of several models.
 class ShapeScreen {
  public:
@@ -107,7 +122,8 @@ class ShapeScreen {
   }
 
   void Offer(const ShapeChange& change, Suspect suspect,
-             std::vector<std::pair<double, Suspect>>* ranked) const {
+             RankedSuspects* ranked) const {
+    ++ranked->num_compared;
     ModalData changed = problem_.modal;
     ChangeShapes({change}, &changed);
     double better = 0.0;
@@ -116,7 +132,7 @@ class ShapeScreen {
     }
     if (better < kLeastLikeness) return;
     suspect.shape_changes = {change};
-    ranked->emplace_back(better, std::move(suspect));
+    ranked->better.emplace_back(better, std::move(suspect));
   }
 
  private:
@@ -125,16 +141,18 @@ class ShapeScreen {
   std::vector<double> before_;
 };
 
-void TakeBest(size_t most, std::vector<std::pair<double, Suspect>>* ranked,
+void TakeBest(size_t most, RankedSuspects* ranked,
               std::vector<Suspect>* suspects) {
+  auto& better = ranked->better;
   std::stable_sort(
-      ranked->begin(), ranked->end(),
+      better.begin(), better.end(),
       [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (ranked->size() > most) ranked->resize(most);
-  for (auto& [unused, suspect] : *ranked) {
+  if (better.size() > most) better.resize(most);
+  for (auto& [unused, suspect] : better) {
+    suspect.num_compared = ranked->num_compared;
     suspects->push_back(std::move(suspect));
   }
-  ranked->clear();
+  better.clear();
 }
 
 std::string NameOfMode(const ModalData& data, size_t i) {
@@ -213,11 +231,12 @@ std::vector<Suspect> MakeShapeSuspects(const IdentificationProblem& problem,
   const std::vector<int> places = MeasuredPlaces(data);
   std::vector<Suspect> suspects;
   if (places.size() < 2 || places.size() > kMostComparedPlaces ||
+      data.modes.size() > kMostComparedModes ||
       static_cast<int>(data.modes.size()) > problem.dynamics->num_dofs()) {
     return suspects;
   }
   const ShapeScreen screen(problem, model.parameters);
-  std::vector<std::pair<double, Suspect>> turns, signs, exchanges, shapes;
+  RankedSuspects turns, signs, exchanges, shapes;
   for (const int one : places) {
     const std::string name = PlaceName(structure, one);
     ShapeChange change;

@@ -14,7 +14,8 @@
 
 namespace pinode {
 
-// Applies the changes to the shapes of *data. Covariances follow.
+// Applies the changes to the shapes of *data. Covariances follow; a standard
+// deviation of all entries becomes a covariance where one entry is scaled.
 void ChangeShapes(const std::vector<Suspect::ShapeChange>& changes,
                   ModalData* data);
 
@@ -35,7 +36,8 @@ std::vector<int> MeasuredPlaces(const ModalData& data);
 // Likeness is the sum over the pairs of MatchModes of
 // MAC - 1/2 (ln ratio of frequencies)^2, the ratios relative to their median.
 // No fit is made. The initial model counts because a fit may have adapted to
-// the fault.
+// the fault. Each suspect knows how many of its kind were compared. Nothing if
+// there are more than 60 places or 20 modes.
 std::vector<Suspect> MakeShapeSuspects(const IdentificationProblem& problem,
                                        const IdentifiedModel& model,
                                        size_t most);

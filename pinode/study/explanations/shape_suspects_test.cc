@@ -3,14 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <random>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/constants.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/identify/identify.h"
 #include "tests/support/estimate_testing.h"
+#include "tests/support/gaussian_testing.h"
 
 namespace pinode {
 namespace {
@@ -34,34 +36,36 @@ IdentificationProblem ModesOfFloors(unsigned seed) {
   std::string error;
   EXPECT_TRUE(ComputeUndampedModes(truth.mass, truth.stiffness, &modes, &error))
       << error;
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> noise;
+  testing::Gaussian noise(seed);
   for (int j = 0; j < 4; ++j) {
     MeasuredMode mode;
     mode.name = std::to_string(j + 1);
     const double hz = std::sqrt(modes.eigenvalues[j]) / kTwoPi;
-    mode.frequency = hz * (1.0 + 1e-3 * noise(generator));
+    mode.frequency = hz * (1.0 + 1e-3 * noise.Next());
     mode.frequency_sigma = 1e-3 * hz;
     mode.dofs = {0, 1, 2, 3, 4};
     mode.shape =
         modes.shapes.col(j) / modes.shapes.col(j).cwiseAbs().maxCoeff();
-    for (double& entry : mode.shape) entry += 0.01 * noise(generator);
+    for (double& entry : mode.shape) entry += 0.01 * noise.Next();
     mode.shape_sigma = 0.01;
     problem.modal.modes.push_back(std::move(mode));
   }
   return problem;
 }
 
-// Checks that the first explanation of `problem` is of this kind and place, has
-// these log odds at least, and finds the true stiffness. Returns the grade.
-Grade ExpectNamed(const IdentificationProblem& problem, const std::string& kind,
-                  const std::string& place, double least_log_odds = 20.0) {
-  const Identification found =
-      Identify(problem, IdentificationOptions(), {}, nullptr);
-  EXPECT_FALSE(found.summary.explanations.empty()) << kind << " " << place;
-  const Grade grade = found.summary.verdict.grade();
-  if (found.summary.explanations.empty()) return grade;
-  const Explanation& first = found.summary.explanations[0];
+// Identifies `problem` and returns its summary. Checks that the first
+// explanation is of this kind and place, has these log odds at least, and finds
+// the true stiffness.
+IdentificationSummary ExpectNamed(const IdentificationProblem& problem,
+                                  const std::string& kind,
+                                  const std::string& place,
+                                  double least_log_odds = 20.0) {
+  IdentificationSummary summary =
+      Identify(problem, IdentificationOptions(), {}, nullptr).summary;
+  EXPECT_FALSE(summary.explanations.empty()) << kind << " " << place;
+  // A place for those who read it.
+  if (summary.explanations.empty()) summary.explanations.resize(1);
+  const Explanation& first = summary.explanations[0];
   EXPECT_EQ(first.kind, kind) << first.what;
   EXPECT_EQ(first.place, place) << first.what;
   EXPECT_GT(first.log_odds, least_log_odds) << first.what;
@@ -71,39 +75,35 @@ Grade ExpectNamed(const IdentificationProblem& problem, const std::string& kind,
     const ExplainedValue& value = first.values[j];
     EXPECT_NEAR(value.value, truth, value.upper95 - value.lower95) << place;
   }
-  return grade;
+  return summary;
 }
 
 TEST(ShapeSuspects, NameTheTurnedSensor) {
-  for (const unsigned seed : {1u}) {
-    for (const int dof : {0, 3}) {
-      IdentificationProblem problem = ModesOfFloors(seed);
-      for (MeasuredMode& mode : problem.modal.modes) mode.shape[dof] *= -1.0;
-      EXPECT_NE(
-          ExpectNamed(problem, "sensor_gain", "u" + std::to_string(dof + 1)),
-          Grade::kGood);
-    }
+  for (const int dof : {0, 3}) {
+    IdentificationProblem problem = ModesOfFloors(1);
+    for (MeasuredMode& mode : problem.modal.modes) mode.shape[dof] *= -1.0;
+    const IdentificationSummary summary =
+        ExpectNamed(problem, "sensor_gain", "u" + std::to_string(dof + 1));
+    EXPECT_NE(summary.verdict.grade(), Grade::kGood);
   }
 }
 
 TEST(ShapeSuspects, NameTheSwappedSensors) {
-  for (const unsigned seed : {1u}) {
-    for (const int dof : {0, 2}) {
-      IdentificationProblem problem = ModesOfFloors(seed);
-      for (MeasuredMode& mode : problem.modal.modes) {
-        std::swap(mode.shape[dof], mode.shape[3]);
-      }
-      EXPECT_NE(ExpectNamed(problem, "sensors_exchanged",
-                            "u" + std::to_string(dof + 1) + ",u4"),
-                Grade::kGood);
+  for (const int dof : {0, 2}) {
+    IdentificationProblem problem = ModesOfFloors(1);
+    for (MeasuredMode& mode : problem.modal.modes) {
+      std::swap(mode.shape[dof], mode.shape[3]);
     }
+    const IdentificationSummary summary = ExpectNamed(
+        problem, "sensors_exchanged", "u" + std::to_string(dof + 1) + ",u4");
+    EXPECT_NE(summary.verdict.grade(), Grade::kGood);
   }
 }
 
 TEST(ShapeSuspects, NameTheSwappedShapes) {
   IdentificationProblem problem = ModesOfFloors(4);
   std::swap(problem.modal.modes[1].shape, problem.modal.modes[2].shape);
-  EXPECT_NE(ExpectNamed(problem, "mode", "2,3"), Grade::kGood);
+  EXPECT_NE(ExpectNamed(problem, "mode", "2,3").verdict.grade(), Grade::kGood);
 }
 
 TEST(ShapeSuspects, NameTheWrongSignOfOneEntry) {
@@ -117,10 +117,30 @@ TEST(ShapeSuspects, NameTheGain) {
   for (const double gain : {0.7, 1.25}) {
     IdentificationProblem problem = ModesOfFloors(6);
     for (MeasuredMode& mode : problem.modal.modes) mode.shape[2] *= gain;
-    EXPECT_NE(ExpectNamed(problem, "sensor_gain", "u3"), Grade::kGood);
-    const Identification found =
-        Identify(problem, IdentificationOptions(), {}, nullptr);
-    EXPECT_THAT(found.summary.explanations[0].what, HasSubstr("the gain of"));
+    const IdentificationSummary summary =
+        ExpectNamed(problem, "sensor_gain", "u3");
+    EXPECT_NE(summary.verdict.grade(), Grade::kGood);
+    EXPECT_THAT(summary.explanations[0].what, HasSubstr("the gain of"));
+  }
+}
+
+// Five places and four modes: 5 turns, 20 signs, 10 pairs, 6 pairs of modes.
+TEST(ShapeSuspects, KnowHowManyWereCompared) {
+  IdentificationProblem problem = ModesOfFloors(8);
+  for (MeasuredMode& mode : problem.modal.modes) mode.shape[1] *= -1.0;
+  IdentifiedModel model;
+  model.parameters = Alpha();
+  const std::vector<Suspect> suspects = MakeShapeSuspects(problem, model, 2);
+  ASSERT_FALSE(suspects.empty());
+  EXPECT_EQ(suspects[0].what, "the sensor at 'u2' mounted upside down");
+  for (const Suspect& suspect : suspects) {
+    const ShapeChange& change = suspect.shape_changes[0];
+    const size_t expected = change.kind == ShapeChange::Kind::kExchangeDofs ? 10
+                            : change.kind == ShapeChange::Kind::kExchangeModes
+                                ? 6
+                            : change.mode < 0 ? 5
+                                              : 20;
+    EXPECT_EQ(suspect.num_compared, expected) << suspect.what;
   }
 }
 
@@ -162,6 +182,27 @@ TEST(ShapeSuspects, ChangesCarryTheCovariances) {
   // Two entries are the least that a shape has.
   LeaveOutPlace(3, &data);
   EXPECT_EQ(mode.dofs.size(), 2u);
+}
+
+// The standard deviation of a scaled entry is scaled, the others' are not.
+TEST(ShapeSuspects, AScaledEntryHasItsOwnDeviation) {
+  ModalData data;
+  data.modes.resize(1);
+  MeasuredMode& mode = data.modes[0];
+  mode.dofs = {0, 2, 5};
+  mode.shape = Vector{{1.0, 2.0, 3.0}};
+  mode.shape_sigma = 0.1;
+  ShapeChange scale;
+  scale.one = 2;
+  scale.factor = -1.0;
+  ChangeShapes({scale}, &data);
+  EXPECT_EQ(mode.shape_sigma, 0.1);
+  EXPECT_EQ(mode.shape_covariance.size(), 0);
+  scale.factor = 2.0;
+  ChangeShapes({scale}, &data);
+  EXPECT_EQ(mode.shape_sigma, 0.0);
+  const Matrix expected = Vector{{0.01, 0.04, 0.01}}.asDiagonal();
+  EXPECT_TRUE(mode.shape_covariance.isApprox(expected, 1e-12));
 }
 
 }  // namespace

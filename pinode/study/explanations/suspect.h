@@ -3,6 +3,7 @@
 #ifndef PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
 #define PINODE_STUDY_EXPLANATIONS_SUSPECT_H_
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,6 +96,9 @@ struct Suspect {
     double factor = 1.0;
   };
   std::vector<ShapeChange> shape_changes;
+
+  // Number of suspects of its kind from which it was chosen by the same data.
+  size_t num_compared = 1;
 
   // The unknown of its sensors equals these unknowns of other suspects, all at
   // the same value: a common delay, the delays of all sensors. Empty: there are
