@@ -15,6 +15,7 @@
 #include "pinode/study/damage/change_refit.h"
 #include "pinode/study/damage/damage_remarks.h"
 #include "pinode/study/damage/healthy_records.h"
+#include "pinode/study/damage/kinds_search.h"
 #include "pinode/study/damage/linear_causes.h"
 #include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/damage/wide_state.h"
@@ -26,32 +27,12 @@
 namespace pinode {
 namespace {
 
-// The share of the false-alarm rate that other kinds of change may use up.
-constexpr double kShareOfKinds = 0.2;
-// What is found may change what else is.
-constexpr int kMaxRounds = 3;
-
 // As in MissedOf, for new records.
 constexpr double kLeastMissed = 0.3;
 
 constexpr char kNewRecords[] = "the new records";
 
 using Candidates = std::vector<ChangeCandidate>;
-
-bool Has(const Candidates& candidates, const ChangeCandidate& candidate) {
-  return std::any_of(candidates.begin(), candidates.end(),
-                     [&](const ChangeCandidate& other) {
-                       return other.subject.name == candidate.subject.name;
-                     });
-}
-
-Candidates Without(const Candidates& all, const Candidates& taken) {
-  Candidates rest;
-  for (const ChangeCandidate& candidate : all) {
-    if (!Has(taken, candidate)) rest.push_back(candidate);
-  }
-  return rest;
-}
 
 // Motion that an explanation with fewer unknowns may leave to be as good as the
 // fit of `summary`: somewhat more, or what noise alone may be taken for.
@@ -100,9 +81,7 @@ class Analyst {
     choice_ = summary.choice;
     explanations_ = summary.explanations;
     doubts_ = DoubtsOf(summary);
-    const bool kinds = !candidates_.empty() &&
-                       healthy_records_.Refit(&inner_, &why) &&
-                       LookForKinds(&why) && LookForDampers(&why) &&
+    const bool kinds = !candidates_.empty() && LookForKinds(&why) &&
                        (found_.empty() || IdentifyWithFound(&why));
     if (!why.empty()) {
       result_.remarks.push_back(
@@ -117,6 +96,18 @@ class Analyst {
   }
 
  private:
+  // found_, fit_of_new_ and candidates_, with the search that found them.
+  bool LookForKinds(std::string* error) {
+    kinds_.emplace(groups_, options_, identification_, &healthy_records_,
+                   &inner_, fit_of_groups_, candidates_);
+    if (!kinds_->Run(explanations_, verdict_.usable(), error)) return false;
+    candidates_ = kinds_->candidates();
+    AddPlaces(candidates_);
+    found_ = kinds_->found();
+    fit_of_new_ = kinds_->TakeFit();
+    return true;
+  }
+
   // Adds the places of `candidates` to those of the result, each once.
   void AddPlaces(const Candidates& candidates) {
     for (const ChangeCandidate& candidate : candidates) {
@@ -145,204 +136,6 @@ class Analyst {
              " changes of the structure: " + fault->what +
              ". Check it, correct the case and run again";
     return true;
-  }
-
-  ChangeOptions OptionsFor(const Candidates& candidates, double rate) const {
-    ChangeOptions options = options_;
-    options.false_alarm_rate = rate;
-    options.absolute.assign(groups_.size(), false);
-    for (const ChangeCandidate& candidate : candidates) {
-      // A change of damping or stiffness is a fraction of the baseline's.
-      options.absolute.push_back(candidate.subject.kind == ChangeKind::kMass ||
-                                 candidate.subject.kind ==
-                                     ChangeKind::kNonlinear);
-    }
-    return options;
-  }
-
-  // For groups and all candidates, of which changes of logarithms are taken.
-  ChangeOptions WideOptions(double rate) const {
-    ChangeOptions options = OptionsFor(candidates_, rate);
-    options.absolute.assign(options.absolute.size(), true);
-    return options;
-  }
-
-  // Groups and all candidates of the healthy records and the new ones.
-  bool WideStates(std::string* error) {
-    if (!healthy_records_.States(fit_of_new_, candidates_, &healthy_, error) ||
-        !StateNear(fit_of_new_, groups_, candidates_,
-                   identification_.num_threads, &current_, error)) {
-      return false;
-    }
-    healthy_.push_back(std::move(current_));
-    ToLogarithms(groups_.size(), candidates_, &healthy_);
-    current_ = std::move(healthy_.back());
-    healthy_.pop_back();
-    return true;
-  }
-
-  // found_ and fit_of_new_, where masses or nonlinear forces are among what the
-  // data ask for.
-  bool LookForKinds(std::string* error) {
-    // Far from what explains the new records no linearisation finds it: damping
-    // that had grown by 40 % left 20 % unexplained, and "cannot tell", with 7
-    // masses and 6 factors on damping as candidates.
-    const Candidates explained =
-        ExplainedCandidates(explanations_, candidates_);
-    bool explains = !explained.empty() && FitWith(explained, error);
-    if (interrupted_) return false;
-    error->clear();
-    for (int round = 0; round < kMaxRounds; ++round) {
-      ChangeEstimate wide;
-      if (!WideStates(error) ||
-          !EstimateChange(
-              healthy_, current_,
-              WideOptions(kShareOfKinds * options_.false_alarm_rate), &wide,
-              error)) {
-        return false;
-      }
-      Candidates asked_for;
-      for (size_t j = 0; j < candidates_.size(); ++j) {
-        if (wide.groups[groups_.size() + j].changed) {
-          asked_for.push_back(candidates_[j]);
-        }
-      }
-      for (ChangeCandidate& candidate : Without(in_both_, asked_for)) {
-        asked_for.push_back(std::move(candidate));
-      }
-      if (Without(asked_for, found_).empty() &&
-          Without(found_, asked_for).empty()) {
-        return true;
-      }
-      // Without what was found the motion has no explanation at all.
-      if (asked_for.empty() && !verdict_.usable()) return true;
-      if (!FitWith(asked_for, error)) {
-        if (!explains) return false;
-        // An explanation of the records alone needs nothing beside it.
-        error->clear();
-        return true;
-      }
-      explains = false;
-    }
-    return true;
-  }
-
-  // Dampers, where motion is left unexplained: at the places of the nonlinear
-  // forces that were found and instead of them, or at one of few springs. Those
-  // that leave least are taken if it is less than half.
-  bool LookForDampers(std::string* error) {
-    const double missed = MissedOf(fit_of_new_.summary, 0.0);
-    if (!(missed > limits::kNotedUnexplained)) return true;
-    const State begin{found_, fit_of_new_};
-    std::optional<State> best;
-    double least = 0.5 * missed;
-    std::string unused;
-    for (const Candidates& dampers :
-         DampersToTry(problem_.dynamics->model(), found_, candidates_)) {
-      Return(begin);
-      const bool fits = FitNewWith(dampers, &unused);
-      if (interrupted_) {
-        *error = "interrupted";
-        return false;
-      }
-      const double left = MissedOf(fit_of_new_.summary, 0.0);
-      if (!fits || !(left < least) || IsDrivenByDamping()) continue;
-      least = left;
-      best = State{found_, fit_of_new_};
-    }
-    Return(best.has_value() ? *best : begin);
-    if (best.has_value() && !TakeDampers()) Return(begin);
-    return true;
-  }
-
-  // Makes the dampers of found_ candidates. False, with all as it was except
-  // found_ and fit_of_new_, where the states with them are not finite.
-  bool TakeDampers() {
-    const Candidates before = candidates_;
-    const std::vector<FitOfRecords> fits = healthy_records_.fits();
-    std::vector<GroupState> healthy = healthy_;
-    GroupState current = current_;
-    const Candidates dampers = Without(found_, candidates_);
-    candidates_.insert(candidates_.end(), dampers.begin(), dampers.end());
-    RefitBaselines();
-    std::string unused;
-    if (!WideStates(&unused)) {
-      candidates_ = before;
-      healthy_records_.Restore(fits);
-      healthy_ = std::move(healthy);
-      current_ = std::move(current);
-      return false;
-    }
-    AddPlaces(dampers);
-    return true;
-  }
-
-  bool IsDrivenByDamping() const {
-    const StructuralDynamics& dynamics = *fit_of_new_.problem.dynamics;
-    return HasNegativeDamping(
-        dynamics
-            .CorrectedModel(
-                fit_of_new_.model.parameters.head(dynamics.num_parameters()))
-            .damping);
-  }
-
-  // Result of the search so far, before the baselines are fitted with it.
-  struct State {
-    Candidates found;
-    FitOfRecords fit;
-  };
-  void Return(const State& state) {
-    found_ = state.found;
-    fit_of_new_ = state.fit;
-  }
-
-  // Takes `candidates` for found_ and fits the new records with them, and the
-  // baselines that they explain.
-  bool FitWith(const Candidates& candidates, std::string* error) {
-    if (!FitNewWith(candidates, error)) return false;
-    RefitBaselines();
-    return true;
-  }
-
-  // Takes `candidates` for found_ and fits the new records alone with them.
-  bool FitNewWith(const Candidates& candidates, std::string* error) {
-    FitOfRecords fit;
-    fit.name = kNewRecords;
-    if (!AddCandidates(problem_, candidates, &fit.problem, error)) {
-      return false;
-    }
-    IdentificationOptions options = identification_;
-    BeginNearTheEnd(&options);
-    options.max_num_iterations =
-        std::min(options.max_num_iterations, kMostIterationsWithKinds);
-    const IdentifiedModel begin =
-        BeginFrom(ParametersByName(fit_of_new_.problem, fit_of_new_.model),
-                  fit_of_new_.model, fit.problem);
-    inner_.Run("with " + std::to_string(candidates.size()) + " more",
-               fit.problem, options, &begin, &fit.summary, &fit.model);
-    interrupted_ = fit.summary.termination == Termination::kInterrupted;
-    const std::string why_not = WhyNotSound(options.tuning.gaps, fit.summary);
-    if (!why_not.empty() || fit.summary.covariance.size() == 0) {
-      *error =
-          "the fit with " +
-          (candidates.empty() ? "groups alone" : candidates[0].subject.name) +
-          (candidates.size() > 1 ? " and others" : "") + " is not usable: " +
-          (why_not.empty() ? "it has no covariance" : why_not);
-      return false;
-    }
-    found_ = candidates;
-    fit_of_new_ = std::move(fit);
-    return true;
-  }
-
-  void RefitBaselines() {
-    // Candidates that leave motion unexplained are not what the model lacks.
-    if (MissedOf(fit_of_new_.summary, 0.0) < limits::kNotedUnexplained &&
-        healthy_records_.RefitWith(
-            found_, ParametersByName(fit_of_new_.problem, fit_of_new_.model),
-            &inner_)) {
-      in_both_ = found_;
-    }
   }
 
   // The result with the kinds of change that were found, by the main job.
@@ -408,9 +201,9 @@ class Analyst {
       return false;
     }
     ScaleToUnits(found_, &current);
-    ChangeOptions options =
-        OptionsFor(found_, (kinds ? 1.0 - kShareOfKinds : 1.0) *
-                               options_.false_alarm_rate);
+    ChangeOptions options = OptionsFor(
+        options_, groups_.size(), found_,
+        (kinds ? 1.0 - kShareOfKinds : 1.0) * options_.false_alarm_rate);
     // The change of what is nearly gone is one of the group's nominal value.
     const std::vector<bool> gone = NearlyGone(healthy);
     for (size_t j = 0; j < gone.size(); ++j) {
@@ -643,8 +436,9 @@ class Analyst {
       if (result_.estimate.groups[j].changed) found.push_back(EntryOf(j));
     }
     std::vector<RivalChange> rivals;
-    if (!FindRivals(healthy_, current_, WideOptions(options_.false_alarm_rate),
-                    found, &rivals, error)) {
+    if (!FindRivals(kinds_->healthy(), kinds_->current(),
+                    kinds_->WideOptions(options_.false_alarm_rate), found,
+                    &rivals, error)) {
       return false;
     }
     result_.estimate.rivals.clear();
@@ -666,19 +460,14 @@ class Analyst {
   DamageResult& result_;
 
   Candidates candidates_, found_;
-  // Candidates that the healthy records have too, and the model has not.
-  Candidates in_both_;
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, doubts, choice and explanations of the result in fit_of_new_.
   Verdict verdict_;
   Doubts doubts_;
   ModelChoice choice_;
   std::vector<Explanation> explanations_;
-  double missed_by_groups_ = 0.0;  // see MissedMotion
-  bool interrupted_ = false;
-  // Groups and all candidates, see ToLogarithms.
-  std::vector<GroupState> healthy_;
-  GroupState current_;
+  double missed_by_groups_ = 0.0;     // see MissedMotion
+  std::optional<KindsSearch> kinds_;  // where there were candidates
 };
 
 // What a caller can have put together wrongly.

@@ -111,10 +111,10 @@ std::vector<std::vector<ChangeCandidate>> DampersToTry(
 
 bool HasNegativeDamping(const Matrix& damping) {
   // Rounding of a direction without damping.
-  constexpr double kRounding = 1e-9;
+  constexpr double kRoundedZero = 1e-9;
   const double largest = damping.diagonal().cwiseAbs().maxCoeff();
   Matrix raised = 0.5 * (damping + damping.transpose());
-  raised.diagonal().array() += kRounding * std::max(largest, 1e-300);
+  raised.diagonal().array() += kRoundedZero * std::max(largest, 1e-300);
   return raised.llt().info() != Eigen::Success;
 }
 
