@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "pinode/base/constants.h"
+
 namespace pinode {
 namespace {
 
@@ -19,7 +21,8 @@ class Window {
         cost_(ScaledCost(cost, scales_)),
         window_(window) {}
 
-  // Solves for the values alone: a face of many supports would take long.
+  // The first one is the start. Solves for the values alone: a face of many
+  // supports would take long.
   void Add(const std::vector<int>& support) {
     const Vector gradient = cost_.gradient(support);
     const Matrix hessian = cost_.hessian(support, support);
@@ -27,11 +30,12 @@ class Window {
     double criterion = gradient.dot(solution);
     for (const int j : support) criterion += options_.prices[j];
     const bool allowed = IsAllowed(support, solution);
-    const bool first = found_.empty();
-    if (!found_.emplace(support, Entry{criterion, allowed, false}).second) {
+    const bool start = found_.empty();
+    if (!found_.emplace(support, Entry{criterion, allowed, start, false})
+             .second) {
       return;
     }
-    if (first || (allowed && criterion < best_)) best_ = criterion;
+    if (allowed) best_ = std::min(best_, criterion);
   }
 
   void Run(int most_expanded) {
@@ -61,7 +65,8 @@ class Window {
  private:
   struct Entry {
     double criterion;
-    bool allowed;  // all values may be what they are
+    bool allowed;  // every value has an allowed sign and size
+    bool start;
     bool expanded;
   };
   using Found = std::map<std::vector<int>, Entry>;
@@ -85,8 +90,10 @@ class Window {
   Found::iterator Next() {
     auto next = found_.end();
     for (auto entry = found_.begin(); entry != found_.end(); ++entry) {
-      if (entry->second.expanded || !entry->second.allowed ||
-          entry->second.criterion > best_ + window_) {
+      if (entry->second.expanded) continue;
+      // Every search leaves from the start, allowed or not.
+      if (entry->second.start) return entry;
+      if (!entry->second.allowed || entry->second.criterion > best_ + window_) {
         continue;
       }
       if (next == found_.end() ||
@@ -131,7 +138,7 @@ class Window {
   const QuadraticCost cost_;
   const double window_;
   Found found_;
-  double best_ = 0.0;
+  double best_ = kInfinity;  // of those allowed
 };
 
 }  // namespace

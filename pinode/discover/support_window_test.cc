@@ -100,13 +100,37 @@ TEST_F(SupportWindow, KeepsTheStartAndFindsTheBetterOnes) {
 TEST_F(SupportWindow, KeepsSignsAndSmallestValues) {
   options_.signs[1] = -1;
   options_.smallest[2] = 10.0;
-  for (const WeighedSupport& found :
-       SupportsWithin(cost_, options_, {8}, kWindow, 1000)) {
+  const std::vector<WeighedSupport> all =
+      SupportsWithin(cost_, options_, {8}, kWindow, 1000);
+  ASSERT_GT(all.size(), 5u);
+  for (const WeighedSupport& found : all) {
     if (found.support == std::vector<int>{8}) continue;
     const Vector theta = MinimizeOn(cost_, found.support);
     EXPECT_LE(theta[1], 0.0);
     EXPECT_TRUE(theta[2] == 0.0 || std::abs(theta[2]) >= 10.0);
   }
+}
+
+// A start with a value of the wrong sign lies far below the supports that are
+// allowed. It must not hide them.
+TEST_F(SupportWindow, LeavesAStartThatIsNotAllowed) {
+  options_.signs[1] = -1;
+  options_.smallest[2] = 10.0;
+  const std::vector<int> start = {1, 4, 5, 8};
+  const std::vector<WeighedSupport> found =
+      SupportsWithin(cost_, options_, {1, 4, 5}, kWindow, 1000);
+  ASSERT_GT(found.size(), 5u);
+  EXPECT_EQ(found[0].support, start);
+  EXPECT_GT(found[1].criterion, found[0].criterion + kWindow);
+  std::vector<std::vector<int>> supports[2];
+  for (const WeighedSupport& near : found) {
+    if (near.support != start) supports[0].push_back(near.support);
+  }
+  for (const WeighedSupport& near :
+       SupportsWithin(cost_, options_, {8}, kWindow, 1000)) {
+    if (near.support.size() > 1) supports[1].push_back(near.support);
+  }
+  EXPECT_EQ(supports[0], supports[1]);
 }
 
 }  // namespace
