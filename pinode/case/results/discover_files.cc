@@ -56,7 +56,7 @@ std::string Digits(const DiscoveredTerm& term) {
   return FormatNumber(term.coefficient, digits);
 }
 
-// "without u1: x[u1]^3, with u1: x[u1]*v[u1]^2".
+// "without u1: x[u1]^3; with u1: x[u1]*v[u1]^2".
 std::string RivalAsText(const TermRival& rival) {
   std::string text;
   if (!rival.without.empty()) text += "without " + Join(rival.without, ", ");
@@ -65,6 +65,13 @@ std::string RivalAsText(const TermRival& rival) {
             Join(rival.with, ", ");
   }
   return text;
+}
+
+// "odds 0.35". Large odds have too many digits, or are infinite.
+std::string OddsAsText(double log_odds) {
+  const double odds = std::exp(log_odds);
+  return odds > 99.0 ? "log odds " + FormatNumber(log_odds, 3)
+                     : "odds " + FormatNumber(odds, 2);
 }
 
 constexpr char kCheckpointSchema[] = "pinode-discover-checkpoint-1";
@@ -184,7 +191,7 @@ std::string EquationsAsText(const Discovery& discovery) {
               FormatNumber(term.regressed, 5);
       if (term.probability < kCertainTerm) {
         text += ", uncertain: probability " +
-                FormatNumber(100.0 * term.probability, 2) + " %";
+                std::to_string(std::lround(100.0 * term.probability)) + " %";
       }
       text += "\n";
     }
@@ -196,11 +203,12 @@ std::string EquationsAsText(const Discovery& discovery) {
   for (const TermRival& rival : discovery.rivals) {
     const double odds = std::exp(rival.log_odds);
     if (odds < kSmallestOdds || count == kMostRivals) break;
-    if (count == 0)
-      text += "\nOther terms describe the records nearly as well:\n";
+    if (count == 0) {
+      text += "\nOther terms describe the records as well or nearly as well:\n";
+    }
     ++count;
     text +=
-        "    odds " + FormatNumber(odds, 2) + ": " + RivalAsText(rival) + "\n";
+        "    " + OddsAsText(rival.log_odds) + ": " + RivalAsText(rival) + "\n";
   }
   return text;
 }

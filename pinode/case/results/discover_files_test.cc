@@ -71,10 +71,13 @@ TEST_F(DiscoverFiles, NameTheRivalsOfAnUncertainTerm) {
   EXPECT_EQ(json["rivals"][0]["log_odds"], std::log(0.5));
   EXPECT_EQ(json["rivals"][0]["fitted"], true);
   const std::string text = EquationsAsText(discovery);
-  EXPECT_THAT(text, HasSubstr("uncertain: probability 62 %"));
+  EXPECT_THAT(text, HasSubstr("uncertain: probability 63 %"));
   EXPECT_THAT(text, HasSubstr("odds 0.5: without u: x[u]^3; with u: x[u]^5"));
   // Small odds doubt nothing.
   EXPECT_THAT(text, Not(HasSubstr("odds 0.02")));
+  discovery.rivals[0].log_odds = 100.0;
+  EXPECT_THAT(EquationsAsText(discovery),
+              HasSubstr("    log odds 100: without"));
 }
 
 TEST_F(DiscoverFiles, CheckpointKeepsTermsAndCoefficients) {
