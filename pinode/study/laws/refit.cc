@@ -240,13 +240,7 @@ class Refitter {
       if (SameTerms(before.equations, discovery_.equations)) return true;
       if (!Fit(1) || !Prune(1)) return false;
       if (discovery_.summary.termination == Termination::kInterrupted) break;
-      const bool better =
-          Good() && Left() &&
-          (Deviance(problem_, before.summary) -
-           Deviance(problem_, discovery_.summary)) /
-                  memory >
-              prices_.Sum(discovery_.equations) - prices_.Sum(before.equations);
-      if (!better) {
+      if (!IsBetterThan(before, memory)) {
         discovery_ = before;
         last_model_ = model_before;
         return true;
@@ -255,13 +249,28 @@ class Refitter {
     return true;
   }
 
+  // True if the fit is usable and its extended BIC the smaller one. `memory` is
+  // the autocorrelation time of the residuals.
+  bool IsBetterThan(const Discovery& before, double memory) const {
+    return Good() && Left() &&
+           (Deviance(problem_, before.summary) -
+            Deviance(problem_, discovery_.summary)) /
+                   memory >
+               prices_.Sum(discovery_.equations) -
+                   prices_.Sum(before.equations);
+  }
+
   // Compares the terms with others, and takes over better ones as long as there
-  // are any. Each lowers the criterion. `factor` refines the steps.
+  // are any. A rival whose fit and pruning do not lower the criterion leaves
+  // all as it was. `factor` refines the steps.
   bool CompareWithRivalTerms(int factor) {
+    discovery_.rivals.clear();
     if (!options_.search) return true;
     std::vector<int> substeps = substeps_;
     for (int& count : substeps) count *= factor;
-    for (int k = 0; k < kMaxSearches && Good() && Left(); ++k) {
+    // The first memory serves all sets, so that none of them comes back.
+    double memory = 1.0;
+    for (int k = 0; Good() && Left(); ++k) {
       RivalComparison comparison;
       if (!CompareWithRivals({problem_, discovery_.problem, discovery_.summary,
                               last_model_, substeps, discovery_.equations},
@@ -270,20 +279,36 @@ class Refitter {
         return false;
       }
       if (comparison.interrupted) {
-        discovery_.summary.termination = Termination::kInterrupted;
-        discovery_.summary.message =
-            "interrupted during the comparison with other terms";
+        discovery_.rivals.clear();
+        InterruptComparison();
         return true;
       }
       discovery_.rivals = std::move(comparison.rivals);
       compared_ = discovery_.equations;
-      if (comparison.better.empty()) return true;
+      // The rivals and probabilities must be those of the terms that stay.
+      if (comparison.better.empty() || k == kMaxSearches) return true;
+      if (k == 0) memory = comparison.memory;
+      const Discovery before = discovery_;
+      const IdentifiedModel model_before = last_model_;
       discovery_.equations = std::move(comparison.better);
       discovery_.problem = std::move(comparison.better_problem);
       last_model_ = std::move(comparison.better_model);
       if (!Fit(factor) || !Prune(factor)) return false;
+      if (IsBetterThan(before, memory)) continue;
+      const bool interrupted =
+          discovery_.summary.termination == Termination::kInterrupted;
+      discovery_ = before;
+      last_model_ = model_before;
+      if (interrupted) InterruptComparison();
+      return true;
     }
     return true;
+  }
+
+  void InterruptComparison() {
+    discovery_.summary.termination = Termination::kInterrupted;
+    discovery_.summary.message =
+        "interrupted during the comparison with other terms";
   }
 
   bool FirstSteps() {
@@ -345,7 +370,8 @@ class Refitter {
     BeginNearTheEnd(&options);
     IdentificationExtras extras;
     extras.start = &last_model_;
-    extras.findings = CheckTerms(discovery_.equations, discovery_.rivals);
+    extras.findings =
+        CheckTerms(discovery_.equations, discovery_.rivals, options_.search);
     Identification found =
         Identify(discovery_.problem, options, extras, &announcing_);
     discovery_.problem = std::move(found.problem);

@@ -237,9 +237,9 @@ TEST_F(RefitTest, UncertainTermIsAFindingThatNamesItsRival) {
   equation_.terms[0].probability = 0.96;
   const std::vector<TermRival> rivals = {
       {{"u: x[u]^3"}, {"u: x[u]^5", "u: v[u]^3"}, -0.5, true}};
-  EXPECT_THAT(CheckTerms({equation_}, rivals), IsEmpty());
+  EXPECT_THAT(CheckTerms({equation_}, rivals, true), IsEmpty());
   equation_.terms[0].probability = 0.62;
-  const std::vector<Finding> findings = CheckTerms({equation_}, rivals);
+  const std::vector<Finding> findings = CheckTerms({equation_}, rivals, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "uncertain_term");
   EXPECT_EQ(findings[0].what,
@@ -256,13 +256,83 @@ TEST_F(RefitTest, CandidateThatIsProbablyATermIsAFinding) {
   equation_.candidates[0].probability = 0.99;
   equation_.candidates[1].basis = "v[u]^3";
   equation_.candidates[1].probability = 0.4;
-  EXPECT_THAT(CheckTerms({equation_}, {}), IsEmpty());
+  EXPECT_THAT(CheckTerms({equation_}, {}, true), IsEmpty());
   equation_.candidates[1].probability = 0.7;
-  const std::vector<Finding> findings = CheckTerms({equation_}, {});
+  const std::vector<Finding> findings = CheckTerms({equation_}, {}, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "missing_term");
   EXPECT_THAT(findings[0].what, ::testing::HasSubstr("u: v[u]^3 (70 %)"));
   EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
+}
+
+// "A or B" and "B is missing" would contradict each other. B may be likely
+// beside A even so.
+TEST_F(RefitTest, RivalOfAnUncertainTermIsNotMissing) {
+  equation_.terms[0].probability = 0.4;
+  equation_.candidates.resize(2);
+  equation_.candidates[0].basis = "x[u]^5";
+  equation_.candidates[0].probability = 0.6;
+  equation_.candidates[1].basis = "v[u]^3";
+  equation_.candidates[1].probability = 0.1;
+  const std::vector<TermRival> rivals = {
+      {{"u: x[u]^3"}, {"u: x[u]^5"}, 0.4, true}};
+  std::vector<Finding> findings = CheckTerms({equation_}, rivals, true);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_THAT(findings[0].what, HasSubstr("u: x[u]^3 or u: x[u]^5 (40 %)"));
+  // At least 0.9 + 0.997 - 1 of the weight has both.
+  equation_.terms[0].probability = 0.9;
+  equation_.candidates[0].probability = 0.997;
+  equation_.candidates[1].probability = 0.7;
+  findings = CheckTerms({equation_}, rivals, true);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[1].check, "missing_term");
+  EXPECT_THAT(findings[1].what,
+              HasSubstr("lack 2 terms, which noise hides: u: x[u]^5 (100 %), "
+                        "u: v[u]^3 (70 %)"));
+}
+
+TEST_F(RefitTest, ComparisonTakesTheBetterTerms) {
+  OfferInNoise(0.9);
+  equation_.terms[0].basis = "x[u]^5";
+  DiscoveryOptions options;
+  options.search = false;
+  Discovery quintic;
+  ASSERT_TRUE(RefitEquations(problem_, model_, {equation_}, options, options_,
+                             nullptr, nullptr, &quintic, &error_))
+      << error_;
+  const TermPrices prices(NumFittedValues(problem_), {equation_});
+  InnerFit inner(nullptr);
+  const auto compare = [&](const IdentifiedModel& model) {
+    RivalComparison comparison;
+    EXPECT_TRUE(CompareWithRivals({problem_,
+                                   quintic.problem,
+                                   quintic.summary,
+                                   model,
+                                   {quintic.problem.records[0].substeps},
+                                   quintic.equations},
+                                  {}, prices, options_, &inner,
+                                  &quintic.equations, &comparison, &error_))
+        << error_;
+    return comparison;
+  };
+  const RivalComparison comparison = compare(quintic.model);
+  ASSERT_EQ(comparison.better.size(), 1u);
+  ASSERT_EQ(comparison.better[0].terms.size(), 1u);
+  EXPECT_EQ(comparison.better[0].terms[0].basis, "x[u]^3");
+  EXPECT_LT(quintic.equations[0].terms[0].probability, 0.5);
+  // Trajectories that diverge allow no comparison. Probabilities of the last
+  // one must not stay.
+  IdentifiedModel far = quintic.model;
+  far.parameters.setConstant(1e9);
+  quintic.equations[0].terms[0].coefficient = 1e9;
+  EXPECT_TRUE(compare(far).rivals.empty());
+  EXPECT_TRUE(std::isnan(quintic.equations[0].terms[0].probability));
+  const std::vector<Finding> findings = CheckTerms(quintic.equations, {}, true);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "uncertain_term");
+  EXPECT_THAT(findings[0].what, HasSubstr("could not be compared"));
+  EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
+  EXPECT_THAT(CheckTerms(quintic.equations, {}, false), IsEmpty());
 }
 
 TEST_F(RefitTest, TermThatTheRecordShowsIsCertain) {

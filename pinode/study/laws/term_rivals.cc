@@ -59,12 +59,15 @@ class TermComparison {
 
   bool Run(std::vector<DiscoveredEquation>* equations,
            RivalComparison* comparison) {
+    // Probabilities of an earlier fit must not stand for this one.
+    ClearProbabilities(equations);
     if (!MakeCandidateCost({input_.problem, input_.summary.records,
                             input_.model, input_.substeps, input_.equations},
                            identification_.num_threads, &cost_, error_)) {
       return false;
     }
     if (!cost_.finite) return true;
+    comparison->memory = cost_.around.memory;
     Offer();
     if (!FitRivals(comparison)) return false;
     if (comparison->interrupted) return true;
@@ -74,6 +77,15 @@ class TermComparison {
   }
 
  private:
+  static void ClearProbabilities(std::vector<DiscoveredEquation>* equations) {
+    for (DiscoveredEquation& equation : *equations) {
+      for (DiscoveredTerm& term : equation.terms) term.probability = kNaN;
+      for (DiscoveryCandidate& candidate : equation.candidates) {
+        candidate.probability = kNaN;
+      }
+    }
+  }
+
   // Finds the structures near the chosen one, from the quadratic cost.
   void Offer() {
     rates_ =
@@ -246,16 +258,25 @@ class TermComparison {
   std::vector<Structure> structures_;
 };
 
-// " or u1: x[u1]^3": the best rival that lacks the term.
-std::string InsteadOf(const std::string& term,
-                      const std::vector<TermRival>& rivals) {
+// Returns the best rival that lacks the term; nullptr if there is none.
+const TermRival* RivalWithout(const std::string& term,
+                              const std::vector<TermRival>& rivals) {
   for (const TermRival& rival : rivals) {
-    if (std::count(rival.without.begin(), rival.without.end(), term) == 0) {
-      continue;
+    if (std::count(rival.without.begin(), rival.without.end(), term) > 0) {
+      return &rival;
     }
-    return rival.with.empty() ? " or none" : " or " + Join(rival.with, " + ");
   }
-  return "";
+  return nullptr;
+}
+
+// " or u1: x[u1]^3".
+std::string OrRival(const TermRival* rival) {
+  if (rival == nullptr) return "";
+  return rival->with.empty() ? " or none" : " or " + Join(rival->with, " + ");
+}
+
+std::string PercentAsText(double probability) {
+  return " (" + std::to_string(std::lround(100.0 * probability)) + " %)";
 }
 
 // "a, b, c and 2 more".
@@ -270,9 +291,33 @@ std::string TheFirst(std::vector<std::string> names) {
   return text;
 }
 
+// Chosen term that is uncertain, and its best rival or nullptr.
+struct UncertainTerm {
+  double probability;
+  const TermRival* rival;
+};
+
+// Returns the least probability that a candidate is a term beside the chosen
+// ones. A rival that CheckTerms names puts it in the place of one of them.
+double ProbabilityBeside(const std::string& name, double probability,
+                         const std::vector<UncertainTerm>& uncertain) {
+  double beside = probability;
+  for (const UncertainTerm& term : uncertain) {
+    if (term.rival == nullptr ||
+        std::count(term.rival->with.begin(), term.rival->with.end(), name) ==
+            0) {
+      continue;
+    }
+    // P(a and b) >= P(a) + P(b) - 1.
+    beside = std::min(beside, probability + term.probability - 1.0);
+  }
+  return beside;
+}
+
 // Adds a finding if a candidate was left out although it is more likely a term
 // than not. The coefficients of the others then carry a part of its effect.
 void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
+                  const std::vector<UncertainTerm>& uncertain,
                   std::vector<Finding>* findings) {
   constexpr double kLikely = 0.5;
   std::vector<std::string> named;
@@ -284,20 +329,47 @@ void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
                       [&candidate](const DiscoveredTerm& term) {
                         return term.basis == candidate.basis;
                       });
-      if (is_term || !(candidate.probability > kLikely)) continue;
+      const std::string name = equation.output + ": " + candidate.basis;
+      if (is_term || !(ProbabilityBeside(name, candidate.probability,
+                                         uncertain) > kLikely)) {
+        continue;
+      }
       most = std::max(most, candidate.probability);
-      named.push_back(equation.output + ": " + candidate.basis + " (" +
-                      FormatNumber(100.0 * candidate.probability, 2) + " %)");
+      named.push_back(name + PercentAsText(candidate.probability));
+    }
+  }
+  if (named.empty()) return;
+  const bool one = named.size() == 1;
+  findings->push_back(
+      {"missing_term",
+       "the equations probably lack " +
+           (one ? std::string("a term, which noise hides: ")
+                : std::to_string(named.size()) +
+                      " terms, which noise hides: ") +
+           TheFirst(named),
+       most, kLikely,
+       std::string("keep in mind that the other coefficients carry ") +
+           (one ? "its effect" : "their effect") +
+           ", or measure larger amplitudes",
+       Grade::kWithCare});
+}
+
+// Adds a finding if the comparison gave no probability. Without a comparison
+// nothing speaks for the certainty of a term.
+void CheckCompared(const std::vector<DiscoveredEquation>& equations,
+                   std::vector<Finding>* findings) {
+  std::vector<std::string> named;
+  for (const DiscoveredEquation& equation : equations) {
+    for (const DiscoveredTerm& term : equation.terms) {
+      if (term.given || std::isfinite(term.probability)) continue;
+      named.push_back(equation.output + ": " + term.basis);
     }
   }
   if (named.empty()) return;
   findings->push_back(
-      {"missing_term",
-       "the equations probably lack a term, which noise hides: " +
-           TheFirst(named),
-       most, kLikely,
-       "keep in mind that the other coefficients carry its effect, or measure "
-       "larger amplitudes",
+      {"uncertain_term",
+       "the terms could not be compared with others: " + TheFirst(named), kNaN,
+       kNaN, "leave out candidates that the structure cannot have",
        Grade::kWithCare});
 }
 
@@ -315,17 +387,19 @@ bool CompareWithRivals(const RivalInput& input, const DiscoveryOptions& options,
 
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
-    const std::vector<TermRival>& rivals) {
+    const std::vector<TermRival>& rivals, bool searched) {
   std::vector<Finding> findings;
   std::vector<std::string> named;
+  std::vector<UncertainTerm> uncertain;
   double least = 1.0;
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveredTerm& term : equation.terms) {
       if (!(term.probability < kCertainTerm)) continue;
       least = std::min(least, term.probability);
       const std::string name = equation.output + ": " + term.basis;
-      named.push_back(name + InsteadOf(name, rivals) + " (" +
-                      FormatNumber(100.0 * term.probability, 2) + " %)");
+      const TermRival* rival = RivalWithout(name, rivals);
+      named.push_back(name + OrRival(rival) + PercentAsText(term.probability));
+      uncertain.push_back({term.probability, rival});
     }
   }
   if (!named.empty()) {
@@ -341,7 +415,8 @@ std::vector<Finding> CheckTerms(
          "structure cannot have",
          Grade::kWithCare});
   }
-  CheckLeftOut(equations, &findings);
+  if (searched) CheckCompared(equations, &findings);
+  CheckLeftOut(equations, uncertain, &findings);
   return findings;
 }
 

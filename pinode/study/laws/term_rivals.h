@@ -35,6 +35,7 @@ struct RivalComparison {
   // The rivals that lack a chosen term, most likely first, with odds of at
   // least 1 to 100.
   std::vector<TermRival> rivals;
+  double memory = 1.0;  // autocorrelation time of the residuals
   // Rival that is better, from which a fit begins; empty: none.
   std::vector<DiscoveredEquation> better;
   IdentifiedModel better_model;  // of the problem that `better_problem` is
@@ -54,7 +55,8 @@ struct RivalComparison {
 //
 // `prices` are those of the search: a rival is better if it lowers the
 // criterion with them. Returns false, with *error, if the candidates do not fit
-// the problem. *equations have no probabilities if the cost is not finite.
+// the problem. *equations have no probabilities if nothing was compared: the
+// cost is not finite, or a fit was interrupted.
 [[nodiscard]] bool CompareWithRivals(
     const RivalInput& input, const DiscoveryOptions& options,
     const TermPrices& prices, const IdentificationOptions& identification,
@@ -62,10 +64,11 @@ struct RivalComparison {
     RivalComparison* comparison, std::string* error);
 
 // Returns a finding if a chosen term is uncertain, which names the terms and
-// their rivals, and one if a candidate that was left out is probably a term.
+// their rivals, and one if a candidate that was left out is probably a term. If
+// `searched`, a term without a probability is uncertain too.
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
-    const std::vector<TermRival>& rivals);
+    const std::vector<TermRival>& rivals, bool searched);
 
 }  // namespace pinode
 
