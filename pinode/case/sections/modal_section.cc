@@ -186,7 +186,10 @@ class ModeReader {
   // Reads a standard deviation for each entry: a covariance without
   // correlation.
   bool ReadEntrySigmas() {
-    if (!RefuseKeys({"shape_weight"}, "'shape_sigma' alone")) return false;
+    if (table_.Has("shape_weight")) {
+      return table_.Fail("shape_weight",
+                         "expected one of 'shape_sigma' and 'shape_weight'");
+    }
     const TomlTable sigmas =
         table_.Table("shape_sigma", table_.name() + " shape_sigma");
     const std::vector<int>& dofs = mode_->dofs;

@@ -102,7 +102,7 @@ TEST(ModalSection, DeviationsOfSingleEntries) {
   EXPECT_THAT(read("shape_sigma = {u1 = 0.05, u9 = 1}").error, HasSubstr("u9"));
   EXPECT_THAT(
       read("shape_sigma = {u1 = 0.05, u2 = 0.02}\nshape_weight = 2").error,
-      HasSubstr("'shape_weight' is not used"));
+      HasSubstr("expected one of 'shape_sigma' and 'shape_weight'"));
 }
 
 // Covariance of frequency and shape, in Hz and the shape's unit.

@@ -284,12 +284,14 @@ class Mode(Part):
     frequency_hz: frequency in Hz.
     frequency_sigma: its standard deviation in Hz; required if there are also records.
     shape: {dof: value}, or an array with its `dofs`. NaN or masked: not measured.
-    shape_sigma: standard deviation of each entry, in the unit of `shape`.
+    shape_sigma: standard deviation of every entry, in the unit of `shape`, or {dof: value}
+        with one of each.
     name: name in reports.
     """
 
-    @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=NAMES, shape_sigma=POSITIVE, name=TEXT,
-           frequency_weight=NUMBER, shape_row=NUMBER, shape_weight=NUMBER, shape_covariance=ANY,
+    @takes(frequency_hz=POSITIVE, frequency_sigma=POSITIVE, dofs=NAMES,
+           shape_sigma=either(POSITIVE, MAPPING), name=TEXT, frequency_weight=NUMBER,
+           shape_row=NUMBER, shape_weight=NUMBER, shape_covariance=ANY,
            frequency_shape_covariance=ANY, residual_weight=NUMBER)
     def __init__(
         self,
@@ -298,7 +300,7 @@ class Mode(Part):
         frequency_sigma: float | None = None,
         shape: Mapping[str, float] | ArrayLike | None = None,
         dofs: Sequence[str] | None = None,
-        shape_sigma: float | None = None,
+        shape_sigma: float | Mapping[str, float] | None = None,
         name: str | None = None,
         **keys: Any,
     ) -> None:

@@ -336,6 +336,17 @@ def test_more_measured_modes_than_dofs():
     assert [m["updated_hz"] for m in fit.modes] == pytest.approx(measured[:3], rel=1e-3)
 
 
+def test_a_mode_has_a_deviation_of_each_entry():
+    def made(**sigmas):
+        return pinode.Case(conftest.model(), groups=conftest.groups(), modes=[pinode.Mode(
+            1.0, frequency_sigma=0.1, shape={"u1": 0.5, "u2": 1.0}, shape_sigma=sigmas)])
+
+    sigmas = {"u1": 0.02, "u2": 0.03}
+    assert made(**sigmas).to_dict()["mode"][0]["shape_sigma"] == sigmas
+    with pytest.raises(pinode.Error, match="no deviation of 'u2'"):
+        made(u1=0.02)
+
+
 def test_a_check_writes_a_folder(healthy, tmp_path):
     check = healthy.check(output=tmp_path / "c", mat=True)
     found = json.loads((tmp_path / "c" / "check.json").read_text())

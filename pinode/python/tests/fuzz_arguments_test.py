@@ -30,6 +30,7 @@ WRONG = {
     "number": [*NOWHERE, "a", [1.0], {"a": 1}, True, np.zeros(3), float],
     "parameter": [*NOWHERE, "a", [1.0], True, np.zeros(3)],
     "positive": [*NOWHERE, "a", [1.0], {"a": 1}, True, -1.0, 0, np.zeros(3)],
+    "deviations": [*NOWHERE, "a", [1.0], {"a": 1}, {"u1": -1.0}, True, -1.0, 0, np.zeros(3)],
     "whole": [*NOWHERE, "a", 1.5, [1], {"a": 1}, True, np.zeros(3)],
     "flag": [*NOWHERE, "yes", 2, -1.0, [True], {"a": 1}, np.zeros(3)],
     "names": [*NOWHERE[:3], 7, True, "u1", [object()], [[1.0, "a"]]],
@@ -136,7 +137,7 @@ PARTS = {
         "periodic": "flag", "filter": "mapping", "excitation": "text"}),
     pinode.Mode: (of_case("modes"), dict(frequency_hz=3.0, frequency_sigma=0.1), {
         "frequency_hz": "positive", "frequency_sigma": "positive", "shape": "number",
-        "shape_sigma": "positive", "name": "text", "dofs": "names"}),
+        "shape_sigma": "deviations", "name": "text", "dofs": "names"}),
     pinode.Case: (lambda made: made, dict(model=pinode.Model(**MODEL)), {
         "model": "mapping", "groups": "parts", "elements": "parts", "libraries": "parts",
         "networks": "parts", "unknown_forces": "parts", "records": "parts", "modes": "parts",

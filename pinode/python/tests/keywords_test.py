@@ -112,6 +112,8 @@ def case(**keys):
     (lambda: record(ground={"x": np.zeros(10)}),
      r"'a' has 200 values and ground\['x'\] 10, expected one for each sample"),
     (lambda: pinode.Mode(-1.0), "frequency_hz is the number -1.0, expected a positive number"),
+    (lambda: pinode.Mode(1.0, shape_sigma="a"),
+     "shape_sigma is the text 'a', expected a positive number or a dictionary"),
     (lambda: case(records=[record(start="resting")]), "'start' is 'resting', expected one of rest"),
     (lambda: case(options={"max_iteration": 3}),
      "^options: unknown key 'max_iteration'; did you mean 'max_iterations'"),
