@@ -218,6 +218,16 @@ class ResultFolder:
         return found["equations"]
 
     @property
+    def rivals(self) -> list[dict[str, Any]]:
+        """Other sets of terms of a discovery, as in Discovery.rivals. Empty for folders
+        of versions that did not compare.
+        """
+        found = self.discovery
+        if found is None:
+            raise Error(f"{self.path}: has no discover.json, expected the folder of a discovery")
+        return found.get("rivals", [])
+
+    @property
     def terms(self) -> dict[str, dict[str, float]]:
         """Coefficients of a discovery by output and basis."""
         return {

@@ -106,7 +106,7 @@ def test_of_a_discovery(refit, tmp_path):
     assert folder.kind == "discovery" and folder.discovery == found.discovery_json
     assert folder.equations == found.equations and folder.terms == found.terms
     (term,) = [t for t in found.equations[0]["terms"] if t["basis"] == "x[u1]^3"]
-    assert found.rivals == found.discovery_json["rivals"]
+    assert folder.rivals == found.rivals == found.discovery_json["rivals"]
     assert (term["probability"] > 0.95) if refit else (term["probability"] is None)
     assert "x[u1]^3" in folder._repr_html_()
     assert folder.case.dofs == ["u1"]
