@@ -56,8 +56,10 @@ bool SameLines(const Vector& a, const Vector& b) {
 bool Check(const FrequencyResponse& one, const FrequencyResponse& first,
            std::string* what) {
   if (one.values.size() != one.frequencies_hz.size() || one.values.size() < 2 ||
-      !IsAscending(one.frequencies_hz) || !one.frequencies_hz.allFinite()) {
+      !IsAscending(one.frequencies_hz)) {
     *what = "its frequencies do not ascend, expected lines in Hz from 0 on";
+  } else if (!one.frequencies_hz.allFinite()) {
+    *what = "a frequency is infinite; leave its line out";
   } else if (!one.values.allFinite() || !one.coherence.allFinite()) {
     *what = "a value is missing or infinite; leave its line out";
   } else if (!SameLines(first.frequencies_hz, one.frequencies_hz)) {

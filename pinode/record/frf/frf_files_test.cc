@@ -220,12 +220,15 @@ TEST(FrequencyResponsesTest, IncompleteSetsAreNamed) {
   EXPECT_FALSE(
       AssembleFrequencyResponses({Single("a", "b"), other}, &all, &error));
   EXPECT_THAT(error, HasSubstr("its lines are not those of"));
+  other = Single("a", "b");
+  other.frequencies_hz.tail(1)[0] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(AssembleFrequencyResponses({other}, &all, &error));
+  EXPECT_THAT(error, HasSubstr("a frequency is infinite; leave its line out"));
   other = Single("", "b");
   EXPECT_FALSE(AssembleFrequencyResponses({other}, &all, &error));
   EXPECT_THAT(error, HasSubstr("set responses"));
 }
 
-// Written functions come back with places of any length, coherence and window.
 // A later header counts. Its fewer columns once left places of the first.
 TEST(FrfFilesTest, ASecondHeaderReplacesTheFirst) {
   FrequencyResponse one;
@@ -251,6 +254,7 @@ TEST(FrfFilesTest, UniversalPlacesOfAnyDirection) {
   EXPECT_EQ(all[0].reference, "1:-12");
 }
 
+// Written functions come back with places of any length, coherence and window.
 TEST(FrfFilesTest, WrittenFunctionsAreReadBack) {
   FrequencyResponses all;
   all.responses = {"12:-x", "deck_north_east_z"};
