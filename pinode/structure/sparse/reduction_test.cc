@@ -417,8 +417,6 @@ TEST(ReduceModel, RigidBodyModesStayAtZero) {
   }
 }
 
-// Adding a group to the whole model and reducing it gives the reduced model
-// with the reduced group.
 // Links of 1e7 times a spring: the modes of the reduced model, most of which
 // are asked for, span 3500 times in frequency.
 TEST(ReduceModel, ComparesAllModesBesideStiffLinks) {
@@ -440,6 +438,8 @@ TEST(ReduceModel, ComparesAllModesBesideStiffLinks) {
   EXPECT_GT(reduced.mac.head(26).minCoeff(), 1.0 - 1e-6);
 }
 
+// Adding a group to the whole model and reducing it gives the reduced model
+// with the reduced group.
 TEST(ReduceMatrix, GroupsAreReducedAlong) {
   FiniteElementModel model = Chain(12, true);
   const ReducedModel reduced = ReduceOrFail(

@@ -12,10 +12,9 @@
 namespace pinode {
 
 // Returns gains and delays of single sensors and of all of them (or of the
-// hammer), and
-// the places that describe the functions better if they are swapped or turned
-// round, best first, `most` of each kind. A change T of the measured functions
-// h gains
+// hammer), and the places that describe the functions better if they are
+// swapped or turned round, best first, `most` of each kind. A change T of the
+// measured functions h gains
 //
 //   sum over lines of  Re(h' T' f) - Re(h' f)
 //
