@@ -342,7 +342,8 @@ TEST_F(RefitTest, TermThatTheRecordShowsIsCertain) {
   ASSERT_EQ(discovery.num_terms(), 1);
   EXPECT_EQ(discovery.equations[0].terms[0].basis, "x[u]^3");
   EXPECT_GT(discovery.equations[0].terms[0].probability, 0.98);
-  for (const Finding& finding : discovery.verdict().findings()) {
+  const Verdict verdict = discovery.verdict();
+  for (const Finding& finding : verdict.findings()) {
     EXPECT_NE(finding.check, "uncertain_term");
   }
 }

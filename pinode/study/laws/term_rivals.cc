@@ -27,7 +27,7 @@ constexpr int kMostExpanded = 60;
 constexpr double kFitWindow = 9.0;
 constexpr int kMostFitted = 6;
 // Decrease of the criterion that is more than the rounding of two fits.
-constexpr double kRounding = 0.01;
+constexpr double kSameCriterion = 0.01;
 
 // A set of terms under comparison.
 struct Structure {
@@ -122,7 +122,7 @@ class TermComparison {
   // most.
   bool FitRivals(RivalComparison* comparison) {
     const double deviance = Deviance(input_.before, input_.summary);
-    double best = prices_.Sum(input_.equations) - kRounding;
+    double best = prices_.Sum(input_.equations) - kSameCriterion;
     int fits = 0;
     for (Structure& structure : structures_) {
       if (fits == kMostFitted || structure.criterion > kFitWindow) break;
@@ -151,7 +151,7 @@ class TermComparison {
       const double of_search = prices_.Sum(rival.equations) - gain;
       // The price of the search alone favours the smaller of two sets. At 10 %
       // noise it gave up 3 of 9 exact draws of the chain for a false term.
-      if (of_search < best && criterion < -kRounding) {
+      if (of_search < best && criterion < -kSameCriterion) {
         best = of_search;
         TakeOver(rival.summary, &rival.equations);
         comparison->better = std::move(rival.equations);
