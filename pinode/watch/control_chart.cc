@@ -15,11 +15,14 @@ namespace {
 constexpr double kDay = 86400.0;
 constexpr double kYear = 365.25 * kDay;
 
-// Records that are simulated for the limits, at the most, and for each of the
-// repetitions that show their uncertainty.
-constexpr size_t kMostSimulated = 150000;
-constexpr size_t kMostRepeated = 25000;
+// Records that are simulated for the limits, unless fewer suffice or more are
+// needed, and for each of the repetitions that show their uncertainty.
+constexpr size_t kSimulated = 150000;
 constexpr int kRepetitions = 8;
+// The fewest rises whose rate is counted, which is known to 22 % then.
+constexpr double kFewestRises = 20.0;
+// A notice lasts `clear_days`. At this share of the year notices would merge.
+constexpr double kMostNotices = 0.25;
 // Simulated years that suffice: with 200 false alarms their rate is known to
 // 7 %.
 constexpr double kEnoughYears = 200.0;
@@ -87,8 +90,27 @@ class Simulation {
     std::sort(sorted_average_.begin(), sorted_average_.end());
   }
 
-  // Finds limits by bisection of the share of records above each.
+  double years() const { return years_; }
+  // Returns true if the simulated years hold enough rises of that rate.
+  bool Holds(double rises_per_year) const {
+    return rises_per_year * years_ >= kFewestRises;
+  }
+
+  // Finds the limits. A rate that the simulation does not hold is extrapolated:
+  // a normal score crosses z at a rate of exp(-z^2 / 2) times a constant (S. O.
+  // Rice 1945).
   ChartLimits Limits(double rises_per_year) const {
+    if (Holds(rises_per_year)) return CountedLimits(rises_per_year);
+    const double held = kFewestRises / years_;
+    const ChartLimits counted = CountedLimits(held);
+    const double squares = 2.0 * std::log(held / rises_per_year);
+    return {std::sqrt(counted.t2 * counted.t2 + squares),
+            std::sqrt(counted.average * counted.average + squares)};
+  }
+
+ private:
+  // Finds limits by bisection of the share of records above each.
+  ChartLimits CountedLimits(double rises_per_year) const {
     double low = 0.5;
     double high = 0.5 / static_cast<double>(values_.size());
     for (int i = 0; i < 25; ++i) {
@@ -102,7 +124,6 @@ class Simulation {
     return LimitsAt(high);
   }
 
- private:
   ChartLimits LimitsAt(double share) const {
     return {Quantile(sorted_t2_, share), Quantile(sorted_average_, share)};
   }
@@ -224,26 +245,38 @@ bool FindThresholds(const std::vector<Innovation>& reference,
   const double block_time = std::max(3.0 * scatter_memory, kDay);
   const size_t block = std::clamp<size_t>(
       static_cast<size_t>(block_time / typical_step), 1, pool.size() / 10 + 1);
-  const auto count = [&](size_t most) {
-    const double enough = kEnoughYears * kYear / typical_step /
-                          std::max(1.0, options.false_alarms_per_year);
-    return std::max<size_t>(1000, std::min(most, static_cast<size_t>(enough)));
-  };
+  const double most = static_cast<double>(options.most_simulated);
+  const double rate = options.false_alarms_per_year;
+  const double per_year = kYear / typical_step;
+  // The records must be many enough for the rate to be counted, also of rare
+  // alarms.
+  const double fewest = 1.1 * per_year * kFewestRises / rate;
+  const double simulated =
+      std::min(kEnoughYears * per_year / std::max(1.0, rate),
+               static_cast<double>(kSimulated));
+  const size_t count = static_cast<size_t>(
+      std::min(std::max({1000.0, fewest, simulated}), most));
+  const size_t repeated = static_cast<size_t>(std::min(
+      {std::max(1000.0, fewest), static_cast<double>(kSimulated), most}));
   std::vector<size_t> starts(pool.size());
   for (size_t i = 0; i < starts.size(); ++i) starts[i] = i;
   Simulation simulation(pool, steps, block, options);
   // A reference without rare events would give low limits. Those of normal
   // innovations are the least.
   for (const bool normal : {false, true}) {
-    simulation.Run(starts, count(kMostSimulated), 1, normal);
-    const auto raise = [&](double rate, ChartLimits* limits) {
-      const ChartLimits found = simulation.Limits(rate);
+    simulation.Run(starts, count, 1, normal);
+    thresholds->simulated_years = simulation.years();
+    thresholds->is_extrapolated = !simulation.Holds(rate);
+    const auto raise = [&](double at_rate, ChartLimits* limits) {
+      const ChartLimits found = simulation.Limits(at_rate);
       limits->t2 = normal ? std::max(limits->t2, found.t2) : found.t2;
       limits->average =
           normal ? std::max(limits->average, found.average) : found.average;
     };
-    raise(options.false_alarms_per_year, &thresholds->alarm);
-    raise(12.0 * options.false_alarms_per_year, &thresholds->notice);
+    raise(rate, &thresholds->alarm);
+    raise(std::clamp(kMostNotices * kYear / (options.clear_days * kDay), rate,
+                     12.0 * rate),
+          &thresholds->notice);
   }
 
   // The same from other references: blocks of this one, drawn with replacement.
@@ -252,8 +285,8 @@ bool FindThresholds(const std::vector<Innovation>& reference,
   for (int repetition = 0; repetition < kRepetitions; ++repetition) {
     std::vector<size_t> drawn(pool.size() / block + 1);
     for (size_t& start : drawn) start = random() % pool.size();
-    simulation.Run(drawn, count(kMostRepeated), 3 + repetition, false);
-    const ChartLimits limits = simulation.Limits(options.false_alarms_per_year);
+    simulation.Run(drawn, repeated, 3 + repetition, false);
+    const ChartLimits limits = simulation.Limits(rate);
     t2.push_back(limits.t2);
     average.push_back(limits.average);
   }

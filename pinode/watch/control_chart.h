@@ -53,7 +53,8 @@ struct ChartLimits {
 
 struct ChartThresholds {
   ChartLimits alarm;
-  // Limits of a notice: they are exceeded twelve times as often.
+  // Limits of a notice: they are exceeded twelve times as often, but not so
+  // often that one notice lasts into the next.
   ChartLimits notice;
   // 95 % intervals of the alarm's limits, as far as the length of the reference
   // leaves them uncertain.
@@ -61,14 +62,19 @@ struct ChartThresholds {
   // Length of the reference in years. A reference that is much shorter than the
   // time between false alarms does not show such rare events.
   double reference_years = 0.0;
+  // Length of the simulation in years. It may hold too few false alarms for the
+  // limits to be counted.
+  double simulated_years = 0.0;
+  bool is_extrapolated = false;
 };
 
 // Finds the limits at which the chart rises `false_alarms_per_year` times a
 // year. A rise is an exceedance after `clear_days` without one. The rate is
 // counted in simulated years, whose innovations are blocks of the reference's,
-// drawn with replacement (H. R. Kuensch 1989). The limits are at least those of
-// normal innovations. False with a sentence if the reference has too few
-// innovations.
+// drawn with replacement (H. R. Kuensch 1989). Where these hold less than
+// twenty false alarms, the limits are extrapolated from higher rates. The
+// limits are at least those of normal innovations. False with a sentence if the
+// reference has too few innovations.
 [[nodiscard]] bool FindThresholds(const std::vector<Innovation>& reference,
                                   const Vector& times, double scatter_memory,
                                   const ChartOptions& options,

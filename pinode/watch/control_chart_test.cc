@@ -43,10 +43,11 @@ Vector Times(int count) {
 
 // The chart written down once more, by its definition.
 int RisesOf(const std::vector<Innovation>& innovations,
-            const ChartLimits& limits, const ChartOptions& options) {
+            const ChartLimits& limits, const ChartOptions& options,
+            double step = kStep) {
   int rises = 0;
   double last = -1e300;
-  const double keep = std::exp(-kStep / (options.memory_days * kDay));
+  const double keep = std::exp(-step / (options.memory_days * kDay));
   Vector sum = Vector::Zero(2);
   Vector variance = Vector::Zero(2);
   for (size_t i = 0; i < innovations.size(); ++i) {
@@ -59,7 +60,7 @@ int RisesOf(const std::vector<Innovation>& innovations,
       chi2 += sum[f] * sum[f] / variance[f];
       ++count;
     }
-    const double time = kStep * static_cast<double>(i);
+    const double time = step * static_cast<double>(i);
     if (NormalScore(chi2, count) <= limits.average &&
         innovations[i].t2_score <= limits.t2) {
       continue;
@@ -80,6 +81,8 @@ TEST(NormalScore, HasTheQuantilesOfChiSquare) {
 // The rate in new years, of innovations that the limits have not seen.
 TEST(ControlChart, RaisesAtTheStatedRate) {
   ChartOptions options;
+  options.false_alarms_per_year = 4.0;
+  options.most_simulated = 60000;
   const int per_year = static_cast<int>(365.25 * kDay / kStep);
   ChartThresholds thresholds;
   std::string error;
@@ -88,19 +91,45 @@ TEST(ControlChart, RaisesAtTheStatedRate) {
                              0.0, options, &thresholds, &error))
       << error;
   EXPECT_NEAR(thresholds.reference_years, 2.0, 0.01);
-  const int years = 60;
+  const int years = 20;
   const double rate = RisesOf(WhiteInnovations(years * per_year, 2),
                               thresholds.alarm, options) /
                       static_cast<double>(years);
-  EXPECT_GT(rate, 0.5);
-  EXPECT_LT(rate, 1.5);
+  EXPECT_GT(rate, 2.0);
+  EXPECT_LT(rate, 6.0);
   const double notices = RisesOf(WhiteInnovations(years * per_year, 2),
                                  thresholds.notice, options) /
                          static_cast<double>(years);
-  EXPECT_GT(notices, 6.0);
-  EXPECT_LT(notices, 18.0);
+  // A quarter of the year, in weeks: more notices would merge.
+  EXPECT_GT(notices, 6.5);
+  EXPECT_LT(notices, 26.0);
   EXPECT_LT(thresholds.lower95.average, thresholds.alarm.average);
   EXPECT_GT(thresholds.upper95.average, thresholds.alarm.average);
+}
+
+// Rare alarms that the simulation does not hold: 20000 days are 55 years, with
+// five alarms in them.
+TEST(ControlChart, ExtrapolatesToARareRate) {
+  ChartOptions options;
+  options.false_alarms_per_year = 0.1;
+  options.most_simulated = 20000;
+  const double step = kDay;
+  const int reference = 6000;
+  ChartThresholds thresholds;
+  std::string error;
+  ASSERT_TRUE(
+      FindThresholds(WhiteInnovations(reference, 1),
+                     Vector::LinSpaced(reference, 0.0, step * (reference - 1)),
+                     0.0, options, &thresholds, &error))
+      << error;
+  EXPECT_TRUE(thresholds.is_extrapolated);
+  EXPECT_NEAR(thresholds.simulated_years, 20000.0 / 365.25, 0.1);
+  // Counted over 400 years, in which 40 rises are expected.
+  const int years = 400;
+  const int rises = RisesOf(WhiteInnovations(years * 365, 2), thresholds.alarm,
+                            options, step);
+  EXPECT_GT(rises, 8);
+  EXPECT_LT(rises, 80);
 }
 
 TEST(ControlChart, FindsALastingChange) {

@@ -49,6 +49,13 @@ class Examination {
         ReplaceAll(path_.substr(0, slash + 1), "", &error);
       }
       record_.refusal = error;
+      // A file that cannot be read still tells that nothing was measured then.
+      if (std::isnan(record_.time) &&
+          !structure_.records.time_in_name.empty() &&
+          !ParseDateBy(structure_.records.time_in_name, Stem(path_),
+                       &record_.time)) {
+        record_.time = kNaN;
+      }
       record_.modes.clear();
     }
     return std::move(record_);

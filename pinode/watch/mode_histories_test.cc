@@ -21,8 +21,8 @@ StoredMode Mode(double hz, const std::vector<double>& shape,
   return mode;
 }
 
-StoredRecord Record(const std::vector<StoredMode>& modes,
-                    const std::string& faulty = "") {
+StoredRecord RecordOf(const std::vector<StoredMode>& modes,
+                      const std::string& faulty = "") {
   StoredRecord record;
   for (const char* name : {"a", "b", "c"}) {
     record.channels.push_back({name, name == faulty ? "is dead." : ""});
@@ -53,8 +53,8 @@ TEST(ModeHistories, FollowsShapesThroughACrossing) {
     // Phase and sign of a shape mean nothing.
     const StoredMode b = Mode(f1, bending, 0.7 * r);
     const StoredMode t = Mode(f2, torsion, 1.3 * r);
-    records.push_back(Record(f1 < f2 ? std::vector<StoredMode>{b, t}
-                                     : std::vector<StoredMode>{t, b}));
+    records.push_back(RecordOf(f1 < f2 ? std::vector<StoredMode>{b, t}
+                                       : std::vector<StoredMode>{t, b}));
   }
   const auto histories = JoinModes(records, TrackingOptions());
   ASSERT_EQ(histories.size(), 2u);
@@ -71,7 +71,7 @@ TEST(ModeHistories, NothingIsJoinedTwice) {
     // A second pole of the same mode, and a mode that comes and goes.
     if (r % 3 == 0) modes.push_back(Mode(3.02, {1.0, 1.0, 0.9}));
     if (r % 4 != 0) modes.push_back(Mode(9.0, {1.0, -1.0, 0.3}));
-    records.push_back(Record(modes));
+    records.push_back(RecordOf(modes));
   }
   const auto histories = JoinModes(records, TrackingOptions());
   std::set<std::pair<int, int>> seen;
@@ -95,15 +95,15 @@ TEST(ModeHistories, NothingIsJoinedTwice) {
 TEST(ModeHistories, ComparesTheChannelsThatBothHave) {
   std::vector<StoredRecord> records;
   for (int r = 0; r < 20; ++r) {
-    records.push_back(r % 2 == 0 ? Record({Mode(3.0, {1.0, -1.0, 0.5})})
-                                 : Record({Mode(3.0, {-1.0, 0.5})}, "a"));
+    records.push_back(r % 2 == 0 ? RecordOf({Mode(3.0, {1.0, -1.0, 0.5})})
+                                 : RecordOf({Mode(3.0, {-1.0, 0.5})}, "a"));
   }
   EXPECT_EQ(JoinModes(records, TrackingOptions()).size(), 1u);
 }
 
 TEST(ModeHistories, AJumpBeginsAHistory) {
-  std::vector<StoredRecord> records(10, Record({Mode(3.0, {1.0, 1.0, 1.0})}));
-  records.resize(20, Record({Mode(3.5, {1.0, 1.0, 1.0})}));
+  std::vector<StoredRecord> records(10, RecordOf({Mode(3.0, {1.0, 1.0, 1.0})}));
+  records.resize(20, RecordOf({Mode(3.5, {1.0, 1.0, 1.0})}));
   EXPECT_EQ(JoinModes(records, TrackingOptions()).size(), 2u);
   TrackingOptions wide;
   wide.largest_step = 0.2;

@@ -20,6 +20,8 @@ namespace {
 // Fewest records of a reference, from which a regression and its scatter can be
 // estimated at all.
 constexpr int kFewestReference = 30;
+// False alarms per year times the days after which an alarm ends.
+constexpr double kMostAlarmDays = 90.0;
 
 bool ResolveDate(const ClockCell& cell, double* seconds) {
   ClockColumn column;
@@ -184,6 +186,16 @@ class StructureFileReader {
                  "false_alarms_per_year = " +
                      FormatNumber(options.false_alarms_per_year) +
                      ", expected 0.1 to 50");
+    }
+    // With more, alarms merge: only 134 a year times a day have a gap of a day
+    // between them (Poisson), and fewer of those that last.
+    const double product = options.false_alarms_per_year * options.clear_days;
+    if (errors_.ok() && product > kMostAlarmDays) {
+      table.Fail(
+          "false_alarms_per_year",
+          "false_alarms_per_year times clear_days = " + FormatNumber(product) +
+              ", expected at most " + FormatNumber(kMostAlarmDays) +
+              ", or one alarm lasts into the next; lower one of them");
     }
     if (options.memory_days > 100.0 || options.clear_days > 100.0) {
       table.Fail("memory_days",

@@ -65,6 +65,9 @@ struct ChartOptions {
   double memory_days = 3.0;
   // Time without a new exceedance after which an alarm ends, in days.
   double clear_days = 7.0;
+  // Records that are simulated for the limits, at the most. A million records
+  // take about a second.
+  int most_simulated = 1000000;
 };
 
 struct WatchedStructure {

@@ -116,6 +116,9 @@ TEST(StructureFile, RefusesInOneLine) {
   EXPECT_NE(
       ErrorOf(least + "[alarm]\nfalse_alarms_per_year = 0\n").find("[alarm]"),
       std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[alarm]\nfalse_alarms_per_year = 20\n")
+                .find("times clear_days = 140, expected at most 90"),
+            std::string::npos);
   EXPECT_NE(ErrorOf(least + "[[covariate]]\nname = \"T\"\nfile = \"x.csv\"\n")
                 .find("time is missing"),
             std::string::npos);

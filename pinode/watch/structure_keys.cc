@@ -105,12 +105,13 @@ const std::vector<CaseTable>& StructureTables() {
        "[alarm]",
        "",
        {
-           {"false_alarms_per_year", "number", "from 0.1", "1",
-            "Expected false alarms per year. They set the threshold."},
-           {"memory_days", "number", "days", "3",
+           {"false_alarms_per_year", "number", "0.1 to 50", "1",
+            "Expected false alarms per year. They set the threshold. Times "
+            "`clear_days` it is at most 90."},
+           {"memory_days", "number", "days, to 100", "3",
             "Memory of the moving average. A longer one finds smaller changes, "
             "later."},
-           {"clear_days", "number", "days", "7",
+           {"clear_days", "number", "days, to 100", "7",
             "An alarm ends after this time below the threshold."},
        }}};
   return tables;

@@ -14,14 +14,16 @@ constexpr double kDay = 86400.0;
 // Features that an alarm names.
 constexpr size_t kMostNamed = 3;
 
+bool ComesFirst(const StoredRecord& a, const StoredRecord& b) {
+  if (a.time != b.time) return a.time < b.time;
+  if (a.duration != b.duration) return a.duration > b.duration;
+  return a.content < b.content;
+}
+
 // Orders the records and leaves those that can be used.
 void SelectRecords(std::vector<StoredRecord> records, WatchAnalysis* analysis) {
-  std::sort(records.begin(), records.end(),
-            [](const StoredRecord& a, const StoredRecord& b) {
-              if (a.time != b.time) return a.time < b.time;
-              if (a.duration != b.duration) return a.duration > b.duration;
-              return a.content < b.content;
-            });
+  std::sort(records.begin(), records.end(), ComesFirst);
+  std::sort(analysis->refused.begin(), analysis->refused.end(), ComesFirst);
   for (StoredRecord& record : records) {
     if (!analysis->records.empty() &&
         analysis->records.back().time == record.time) {
@@ -155,21 +157,29 @@ class AbsenceKeeper {
       : series_(series),
         limit_(clear_days * kDay),
         last_seen_(Vector::Constant(series.num_features(), kNaN)),
-        is_absent_(static_cast<size_t>(series.num_features()), false) {}
+        is_absent_(static_cast<size_t>(series.num_features()), false),
+        is_told_(is_absent_) {}
 
-  // Returns the names of the features that have become absent with this record.
-  std::vector<std::string> Add(Eigen::Index record) {
-    std::vector<std::string> absent;
+  void Add(Eigen::Index record) {
     const double time = series_.times[record];
     for (Eigen::Index f = 0; f < series_.num_features(); ++f) {
       const size_t at = static_cast<size_t>(f);
       if (!std::isnan(series_.values(record, f))) {
         last_seen_[f] = time;
         is_absent_[at] = false;
-      } else if (!is_absent_[at] && time - last_seen_[f] >= limit_) {
+        is_told_[at] = false;
+      } else if (time - last_seen_[f] >= limit_) {
         is_absent_[at] = true;
-        absent.push_back(series_.names[at]);
       }
+    }
+  }
+  // Returns the names of the absent features that it has not returned before.
+  std::vector<std::string> Tell() {
+    std::vector<std::string> absent;
+    for (size_t f = 0; f < is_absent_.size(); ++f) {
+      if (!is_absent_[f] || is_told_[f]) continue;
+      is_told_[f] = true;
+      absent.push_back(series_.names[f]);
     }
     return absent;
   }
@@ -182,7 +192,7 @@ class AbsenceKeeper {
   const FeatureSeries& series_;
   double limit_;
   Vector last_seen_;
-  std::vector<bool> is_absent_;
+  std::vector<bool> is_absent_, is_told_;
 };
 
 // Raises alarms and ends them.
@@ -200,44 +210,77 @@ class AlarmKeeper {
                  structure.chart.memory_days * kDay) {}
 
   void Run() {
-    const double reference_end = EndOfReference();
-    double last = kNaN;
+    reference_end_ = EndOfReference();
     for (size_t r = 0; r < innovations_.size(); ++r) {
-      time_ = analysis_.series.times[static_cast<Eigen::Index>(r)];
+      const double time = analysis_.series.times[static_cast<Eigen::Index>(r)];
+      PassRefused(time);
+      time_ = time;
       const bool is_charted = innovations_[r].valid;
       if (is_charted) {
-        const double step = std::isnan(last) ? 0.0 : time_ - last;
+        const double step = std::isnan(last_) ? 0.0 : time_ - last_;
         average_.Add(step, innovations_[r]);
         quiet_ += std::min(step, kDay);
-        last = time_;
+        last_ = time_;
       }
-      const std::vector<std::string> absent =
-          absences_.Add(static_cast<Eigen::Index>(r));
-      if (time_ <= reference_end) {
+      absences_.Add(static_cast<Eigen::Index>(r));
+      if (time_ <= reference_end_) {
         analysis_.lights.push_back(WatchLight::kLearning);
         continue;
       }
+      // The first record after the reference tells also what ended within it.
+      const std::vector<std::string> absent = absences_.Tell();
       if (!absent.empty()) {
-        AddEvent("notice", "not found for " +
-                               FormatNumber(options_.clear_days, 3) +
-                               " days: " + Join(absent, ", ") +
-                               "; look whether another mode has taken its "
-                               "place");
+        Notice("not found for " + FormatNumber(options_.clear_days, 3) +
+               " days: " + Join(absent, ", ") +
+               "; look whether another mode has taken its place");
       }
       if (is_charted) {
         is_blind_ = false;
         Judge(r);
-      } else if (!is_blind_ && time_ - last >= options_.clear_days * kDay) {
-        is_blind_ = true;
-        AddEvent("notice", BlindText(r));
-        if (light_ != WatchLight::kAlarm) light_ = WatchLight::kNotice;
-        last_notice_ = time_;
+      } else if (HasBecomeBlind()) {
+        Notice(BlindText(r));
       }
       analysis_.lights.push_back(light_);
+      analysis_.light = light_;
     }
+    PassRefused(kInfinity);
   }
 
  private:
+  // Passes the refused records before `time`. When all sensors fail, no other
+  // records are left to show it.
+  void PassRefused(double time) {
+    const std::vector<StoredRecord>& refused = analysis_.refused;
+    for (; next_refused_ < refused.size() && refused[next_refused_].time < time;
+         ++next_refused_) {
+      const StoredRecord& record = refused[next_refused_];
+      time_ = record.time;
+      if (time_ <= reference_end_ || !HasBecomeBlind()) continue;
+      std::string reason = record.refusal;
+      if (!reason.empty() && reason.back() == '.') reason.pop_back();
+      Notice("no record could be used for " +
+             FormatNumber(options_.clear_days, 3) +
+             " days; the last refusal: " + reason);
+      analysis_.light = light_;
+    }
+  }
+
+  // Returns true once in each long time without a chart.
+  bool HasBecomeBlind() {
+    if (is_blind_ || !(time_ - last_ >= options_.clear_days * kDay)) {
+      return false;
+    }
+    is_blind_ = true;
+    return true;
+  }
+
+  // Adds an event that changes the light, unless that is an alarm.
+  void Notice(const std::string& text) {
+    AddEvent("notice", text);
+    if (light_ != WatchLight::kAlarm) light_ = WatchLight::kNotice;
+    last_notice_ = time_;
+  }
+
   double EndOfReference() const {
     double end = -kInfinity;
     for (size_t r = 0; r < analysis_.is_reference.size(); ++r) {
@@ -264,7 +307,8 @@ class AlarmKeeper {
       light_ = WatchLight::kAlarm;
       quiet_ = 0.0;
     } else if (light_ == WatchLight::kAlarm) {
-      if (quiet_ < options_.clear_days * kDay) return;
+      // The mode that moved may be the one that is gone, with its scores.
+      if (quiet_ < options_.clear_days * kDay || absences_.Any()) return;
       light_ = WatchLight::kNormal;
       AddEvent("all-clear", "no record exceeded the limits for " +
                                 FormatNumber(options_.clear_days, 3) + " days");
@@ -365,7 +409,10 @@ class AlarmKeeper {
   AbsenceKeeper absences_;
   const Matrix covariance_;
   ScoreAverage average_;
+  double reference_end_ = -kInfinity;
+  size_t next_refused_ = 0;
   double time_ = 0.0;
+  double last_ = kNaN;  // time of the last record with a chart
   WatchLight light_ = WatchLight::kNormal;
   // Time since the last exceedance, s. A gap counts as a day at most: without
   // records nothing is quiet.
@@ -432,6 +479,9 @@ WatchAnalysis AnalyseRecords(const WatchedStructure& structure,
   for (StoredRecord& record : records) {
     if (!record.refusal.empty() || std::isnan(record.time)) {
       ++analysis.num_refused;
+      if (!std::isnan(record.time)) {
+        analysis.refused.push_back(std::move(record));
+      }
       continue;
     }
     usable.push_back(std::move(record));

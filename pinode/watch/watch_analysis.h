@@ -23,7 +23,9 @@ struct WatchAnalysis {
   // Records with modes, by time. Of records that begin at the same time, the
   // longest.
   std::vector<StoredRecord> records;
-  int num_refused = 0;             // records without modes, by a refusal
+  int num_refused = 0;  // records without modes, by a refusal
+  // Refused records whose time is known, by time.
+  std::vector<StoredRecord> refused;
   int num_repeated = 0;            // records that a longer one replaces
   std::vector<bool> is_reference;  // of each record
   bool reference_is_complete = false;
@@ -41,13 +43,10 @@ struct WatchAnalysis {
   Matrix expected, expected_deviations;
   std::vector<ChartValues> chart;
   ChartThresholds thresholds;
-  // Light after each record.
+  // Light after each record, and after the last record or refused one.
   std::vector<WatchLight> lights;
+  WatchLight light = WatchLight::kLearning;
   std::vector<StoredEvent> events;
-
-  WatchLight Light() const {
-    return lights.empty() ? WatchLight::kLearning : lights.back();
-  }
 };
 
 // Analyses the records, in any order. The result does not depend on the order.

@@ -6,14 +6,17 @@
 #include <cmath>
 #include <random>
 
+#include "pinode/watch/watch_files.h"
+
 namespace pinode {
 namespace {
 
 constexpr double kRecordStep = 3.0 * 3600.0;
 
-// Frequent false alarms need short simulations.
+// Few simulated records do, as no rate is counted here.
 WatchedStructure Structure(double false_alarms_per_year = 4.0) {
   WatchedStructure structure;
+  structure.chart.most_simulated = 6000;
   structure.chart.false_alarms_per_year = false_alarms_per_year;
   structure.name = "bridge";
   structure.reference.num_records = 500;
@@ -70,7 +73,7 @@ TEST(WatchAnalysis, NamesTheModesThatMoved) {
   const WatchAnalysis analysis =
       AnalyseRecords(Structure(), Records(900, 700, -0.005));
   ASSERT_TRUE(analysis.has_chart);
-  EXPECT_EQ(analysis.Light(), WatchLight::kAlarm);
+  EXPECT_EQ(analysis.light, WatchLight::kAlarm);
   const auto alarm = std::find_if(
       analysis.events.begin(), analysis.events.end(),
       [](const StoredEvent& event) { return event.kind == "alarm"; });
@@ -91,7 +94,7 @@ TEST(WatchAnalysis, AnAlarmEnds) {
   const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
   ASSERT_TRUE(analysis.has_chart);
   EXPECT_EQ(analysis.lights[740], WatchLight::kAlarm);
-  EXPECT_NE(analysis.Light(), WatchLight::kAlarm);
+  EXPECT_NE(analysis.light, WatchLight::kAlarm);
   EXPECT_TRUE(std::any_of(
       analysis.events.begin(), analysis.events.end(),
       [](const StoredEvent& event) { return event.kind == "all-clear"; }));
@@ -148,7 +151,7 @@ TEST(WatchAnalysis, SaysThatACovariateIsMissing) {
     for (size_t r = 650; r < 800; ++r) records[r].covariates.clear();
     const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
     ASSERT_TRUE(analysis.has_chart);
-    EXPECT_EQ(analysis.Light(),
+    EXPECT_EQ(analysis.light,
               change < 0.0 ? WatchLight::kAlarm : WatchLight::kNotice);
     ASSERT_FALSE(analysis.events.empty());
     EXPECT_NE(analysis.events.back().text.find("temperature is missing"),
@@ -163,7 +166,7 @@ TEST(WatchAnalysis, SaysThatAModeIsGone) {
   for (size_t r = 600; r < 700; ++r) records[r].modes.pop_back();
   const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
   ASSERT_TRUE(analysis.has_chart);
-  EXPECT_EQ(analysis.Light(), WatchLight::kNotice);
+  EXPECT_EQ(analysis.light, WatchLight::kNotice);
   const auto notice = std::find_if(
       analysis.events.begin(), analysis.events.end(),
       [](const StoredEvent& event) {
@@ -175,11 +178,67 @@ TEST(WatchAnalysis, SaysThatAModeIsGone) {
               kRecordStep);
 }
 
+// A mode that stopped within the reference is told by the first record after.
+TEST(WatchAnalysis, SaysThatAModeWasGoneInTheReference) {
+  std::vector<StoredRecord> records = Records(520, 520, 0.0);
+  for (size_t r = 400; r < 520; ++r) records[r].modes.pop_back();
+  const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.light, WatchLight::kNotice);
+  ASSERT_FALSE(analysis.events.empty());
+  EXPECT_EQ(analysis.events[0].time, records[500].time);
+  EXPECT_NE(analysis.events[0].text.find("mode 3"), std::string::npos);
+  const std::string page =
+      RenderWatchPage(Structure(1.0), analysis, HtmlReportOptions());
+  EXPECT_NE(page.find("Notice: not found for 7 days: mode 3"),
+            std::string::npos);
+}
+
+// One record raises the alarm. The modes that moved have no scores after it.
+TEST(WatchAnalysis, AnAlarmDoesNotEndWithItsMode) {
+  std::vector<StoredRecord> records = Records(900, 700, -0.05);
+  for (size_t r = 701; r < 900; ++r) {
+    const std::vector<StoredMode> modes = records[r].modes;
+    // Mode 2 did not move.
+    records[r].modes = {modes[1]};
+  }
+  const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.lights[700], WatchLight::kAlarm);
+  EXPECT_LT(analysis.chart.back().average, analysis.thresholds.alarm.average);
+  EXPECT_EQ(analysis.light, WatchLight::kAlarm);
+}
+
+TEST(WatchAnalysis, SaysThatNoRecordCouldBeUsed) {
+  std::vector<StoredRecord> records = Records(700, 700, 0.0);
+  for (size_t r = 600; r < 700; ++r) {
+    records[r].refusal = "no channel can be used.";
+    records[r].modes.clear();
+  }
+  const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
+  ASSERT_TRUE(analysis.has_chart);
+  EXPECT_EQ(analysis.num_refused, 100);
+  EXPECT_EQ(analysis.light, WatchLight::kNotice);
+  ASSERT_FALSE(analysis.events.empty());
+  const StoredEvent& last = analysis.events.back();
+  EXPECT_EQ(last.text,
+            "no record could be used for 7 days; the last refusal: no channel "
+            "can be used");
+  EXPECT_NEAR(last.time, records[599].time + 7.0 * 86400.0, kRecordStep);
+  // Earlier failures are over.
+  std::vector<StoredRecord> later = Records(700, 700, 0.0);
+  std::copy(records.begin() + 600, records.begin() + 640, later.begin() + 600);
+  for (const StoredEvent& event :
+       AnalyseRecords(Structure(1.0), later).events) {
+    EXPECT_EQ(event.text.find("no record could"), std::string::npos);
+  }
+}
+
 TEST(WatchAnalysis, LearnsUntilTheReferenceIsComplete) {
   const WatchAnalysis analysis =
       AnalyseRecords(Structure(), Records(499, 499, 0.0));
   EXPECT_FALSE(analysis.has_chart);
-  EXPECT_EQ(analysis.Light(), WatchLight::kLearning);
+  EXPECT_EQ(analysis.light, WatchLight::kLearning);
   EXPECT_NE(analysis.reason.find("not complete"), std::string::npos);
 }
 

@@ -84,7 +84,7 @@ Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
   Json json;
   json["schema"] = "pinode-watch-1";
   json["structure"] = structure.name;
-  json["light"] = WatchLightName(analysis.Light());
+  json["light"] = WatchLightName(analysis.light);
   json["reason"] = analysis.reason;
   json["records"] = analysis.records.size();
   json["refused_records"] = analysis.num_refused;
@@ -108,6 +108,8 @@ Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
     json["chart"] = {
         {"false_alarms_per_year", structure.chart.false_alarms_per_year},
         {"reference_years", thresholds.reference_years},
+        {"simulated_years", thresholds.simulated_years},
+        {"limits_are_extrapolated", thresholds.is_extrapolated},
         {"scatter_memory_days", analysis.model.memory / 86400.0},
         {"t2", LimitAsJson(thresholds.alarm.t2, thresholds.lower95.t2,
                            thresholds.upper95.t2)},
@@ -138,7 +140,7 @@ std::string WatchSummary(const WatchedStructure& structure,
                          const WatchAnalysis& analysis) {
   const auto count = std::count(analysis.is_reference.begin(),
                                 analysis.is_reference.end(), true);
-  std::string text = structure.name + ": " + WatchLightName(analysis.Light()) +
+  std::string text = structure.name + ": " + WatchLightName(analysis.light) +
                      ". " + std::to_string(analysis.records.size()) +
                      " records, " + std::to_string(count) + " in the reference";
   if (analysis.num_refused > 0) {
@@ -167,6 +169,11 @@ std::string WatchSummary(const WatchedStructure& structure,
           LimitText(thresholds.alarm.average, thresholds.lower95.average,
                     thresholds.upper95.average) +
           ".\n";
+  if (thresholds.is_extrapolated) {
+    text += "The " + FormatNumber(thresholds.simulated_years, 3) +
+            " simulated years hold few alarms at this rate, so the limits are "
+            "extrapolated from those of more frequent ones.\n";
+  }
   const double needed = 1.0 / structure.chart.false_alarms_per_year;
   if (thresholds.reference_years < 0.8 * needed) {
     text += "The reference of " +

@@ -175,16 +175,27 @@ TextTable EventsTable(const WatchAnalysis& analysis) {
   return table;
 }
 
+// Returns the last event of a kind; one without a text if there is none.
+StoredEvent LastEvent(const WatchAnalysis& analysis, const std::string& kind) {
+  const auto last = std::find_if(
+      analysis.events.rbegin(), analysis.events.rend(),
+      [&kind](const StoredEvent& event) { return event.kind == kind; });
+  return last == analysis.events.rend() ? StoredEvent() : *last;
+}
+
 std::string LightSentence(const WatchAnalysis& analysis) {
-  switch (analysis.Light()) {
+  switch (analysis.light) {
     case WatchLight::kAlarm: {
-      const auto alarm = std::find_if(
-          analysis.events.rbegin(), analysis.events.rend(),
-          [](const StoredEvent& event) { return event.kind == "alarm"; });
-      return "Alarm since " + DateText(alarm->time) + ": " + alarm->text + ".";
+      const StoredEvent alarm = LastEvent(analysis, "alarm");
+      return "Alarm since " + DateText(alarm.time) + ": " + alarm.text + ".";
     }
-    case WatchLight::kNotice:
-      return "Notice: " + analysis.events.back().text + ".";
+    case WatchLight::kNotice: {
+      const StoredEvent notice = LastEvent(analysis, "notice");
+      return "Notice: " +
+             (notice.text.empty() ? std::string("see the chart")
+                                  : notice.text) +
+             ".";
+    }
     case WatchLight::kNormal:
       return "Normal: no change was found.";
     case WatchLight::kLearning:
@@ -215,7 +226,7 @@ std::string RenderWatchPage(const WatchedStructure& structure,
   PageData page;
   page.set("title", structure.name);
   page.set("source", "Watched by pinode " + PinodeVersion());
-  page.set("alarm", analysis.Light() == WatchLight::kAlarm);
+  page.set("alarm", analysis.light == WatchLight::kAlarm);
   page.set("verdict", LightSentence(analysis));
   PageData lines = PageList();
   const std::string summary = WatchSummary(structure, analysis);
