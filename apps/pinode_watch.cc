@@ -129,38 +129,67 @@ void Wait(int seconds) {
   }
 }
 
-// Looks at the folder once or until an interrupt. Returns the exit status.
-int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
-  const bool once = FLAGS_once || !FLAGS_backfill.empty();
-  const std::string folder =
-      FLAGS_backfill.empty() ? structure.records.folder : FLAGS_backfill;
+// Looks at the folder once, and tells what is new. False with one line if that
+// was not possible.
+bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
+          bool overwrite, Store* store, KnownFiles* known_files,
+          WatchCounts* counts, int* status, std::string* error) {
   WatchCalls calls;
   calls.stored = PrintRecord;
   calls.unreadable = [](const std::string& message) {
     PrintError("%s", message.c_str());
   };
   calls.interrupted = Interrupted;
+  const std::string folder =
+      FLAGS_backfill.empty() ? structure.records.folder : FLAGS_backfill;
+  *status = kExitDone;
+  if (!StoreNewRecords(structure, folder, !once, id, calls, store, known_files,
+                       counts, error)) {
+    return false;
+  }
+  if (!is_due && counts->stored == 0) return true;
+  std::vector<StoredEvent> known;
+  WatchAnalysis analysis;
+  if (!store->Events(id, &known, error) ||
+      !AnalyseStore(structure, id, store, &analysis, error)) {
+    return false;
+  }
+  PrintEvents(known, analysis);
+  const std::string later =
+      counts->growing == 0
+          ? ""
+          : ", " + std::to_string(counts->growing) + " left for later";
+  Print("%d files, %d new%s. %s", counts->files, counts->stored, later.c_str(),
+        WatchSummary(structure, analysis).c_str());
+  // Events are known once they are printed. An alarm that nobody saw is printed
+  // by the next run.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    *error = "the events cannot be printed; standard output is closed or full";
+    return false;
+  }
+  if (!store->SetEvents(id, analysis.events, error)) return false;
+  *status = WriteFolder(structure, analysis, overwrite);
+  return true;
+}
+
+// Looks at the folder once or until an interrupt. Returns the exit status.
+int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
+  const bool once = FLAGS_once || !FLAGS_backfill.empty();
+  KnownFiles known_files;
+  bool is_due = true;
   for (bool first = true;; first = false) {
     WatchCounts counts;
     std::string error;
-    if (!StoreNewRecords(structure, folder, !once, id, calls, store, &counts,
-                         &error)) {
-      return Refuse(error);
-    }
-    if (first || counts.stored > 0) {
-      std::vector<StoredEvent> known;
-      WatchAnalysis analysis;
-      if (!store->Events(id, &known, &error) ||
-          !AnalyseStore(structure, id, store, &analysis, &error)) {
-        return Refuse(error);
-      }
-      PrintEvents(known, analysis);
-      Print("%d files, %d new. %s", counts.files, counts.stored,
-            WatchSummary(structure, analysis).c_str());
-      std::fflush(stdout);
-      const int status =
-          WriteFolder(structure, analysis, FLAGS_overwrite || !first);
+    int status = kExitDone;
+    if (Look(structure, id, is_due, once, FLAGS_overwrite || !first, store,
+             &known_files, &counts, &status, &error)) {
       if (status != kExitDone) return status;
+      is_due = false;
+    } else {
+      if (first) return Refuse(error);
+      // A share that is away for a moment does not end the watch.
+      PrintError("%s", error.c_str());
+      is_due = true;
     }
     if (counts.interrupted) return kExitInterrupted;
     if (once) return kExitDone;

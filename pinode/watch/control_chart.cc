@@ -223,6 +223,12 @@ bool FindThresholds(const std::vector<Innovation>& reference,
     steps.push_back(time - last);
     if (!std::isnan(last)) known_steps.push_back(time - last);
     last = time;
+    if (!reference[i].whitened.allFinite() || !reference[i].score.allFinite()) {
+      *error =
+          "the reference gives no finite limits; look for frequencies or "
+          "standard deviations that are 0 in its records";
+      return false;
+    }
     pool.push_back(reference[i]);
   }
   if (pool.size() < kFewestInnovations) {

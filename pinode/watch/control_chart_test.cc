@@ -177,6 +177,16 @@ TEST(ControlChart, CountsRisesAfterAllClear) {
   EXPECT_EQ(CountRises(values, Times(400), limits, 7.0), 2);
 }
 
+TEST(ControlChart, RefusesWhatIsNotFinite) {
+  std::vector<Innovation> innovations = WhiteInnovations(100, 1);
+  innovations[50].score[0] = kNaN;
+  ChartThresholds thresholds;
+  std::string error;
+  EXPECT_FALSE(FindThresholds(innovations, Times(100), 0.0, ChartOptions(),
+                              &thresholds, &error));
+  EXPECT_NE(error.find("no finite limits"), std::string::npos) << error;
+}
+
 TEST(ControlChart, RefusesTooFewInnovations) {
   ChartThresholds thresholds;
   std::string error;

@@ -82,11 +82,24 @@ class Examination {
         present_.push_back(outline.columns[i].short_name);
       }
       if (all && outline.is_channel[i] && outline.columns[i].name != time_ &&
-          outline.columns[i].kind != CellKind::kText) {
+          outline.columns[i].kind != CellKind::kText &&
+          !IsCovariate(outline.columns[i])) {
         columns_.push_back(outline.columns[i].name);
       }
     }
     return true;
+  }
+
+  // A temperature among the columns of a file is no sensor of vibration.
+  bool IsCovariate(const TextColumn& column) const {
+    return std::any_of(structure_.covariates.begin(),
+                       structure_.covariates.end(),
+                       [&column](const WatchedCovariate& covariate) {
+                         return covariate.file.empty() &&
+                                (covariate.column == column.name ||
+                                 (!column.short_name.empty() &&
+                                  covariate.column == column.short_name));
+                       });
   }
 
   bool IsPresent(const std::string& column) const {
@@ -295,10 +308,7 @@ StoredRecord ExamineRecord(const WatchedStructure& structure,
 }
 
 bool FillCovariates(const WatchedStructure& structure,
-                    std::vector<StoredRecord>* records,
-                    std::vector<std::pair<size_t, std::string>>* found,
-                    std::string* error) {
-  found->clear();
+                    std::vector<StoredRecord>* records, std::string* error) {
   for (const WatchedCovariate& covariate : structure.covariates) {
     if (covariate.file.empty()) continue;
     TextFormat format;
@@ -321,8 +331,7 @@ bool FillCovariates(const WatchedStructure& structure,
       rows.emplace_back(table.time_origin.seconds + table.values(i, 0), value);
     }
     std::sort(rows.begin(), rows.end());
-    for (size_t i = 0; i < records->size(); ++i) {
-      StoredRecord& record = (*records)[i];
+    for (StoredRecord& record : *records) {
       if (std::isnan(record.time) ||
           !std::isnan(record.Covariate(covariate.name))) {
         continue;
@@ -332,7 +341,6 @@ bool FillCovariates(const WatchedStructure& structure,
                        3600.0 * covariate.largest_gap_hours);
       if (std::isnan(value)) continue;
       record.covariates.emplace_back(covariate.name, value);
-      found->emplace_back(i, covariate.name);
     }
   }
   return true;

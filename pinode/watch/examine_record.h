@@ -24,11 +24,10 @@ std::string FaultOfSamples(const Vector& values);
 
 // Sets covariates that are in files of their own, by interpolation to the
 // middle of each record. Values that are missing stay absent. Only records
-// without the covariate are touched; *found names them as pairs of record and
-// covariate.
-[[nodiscard]] bool FillCovariates(
-    const WatchedStructure& structure, std::vector<StoredRecord>* records,
-    std::vector<std::pair<size_t, std::string>>* found, std::string* error);
+// without the covariate are touched.
+[[nodiscard]] bool FillCovariates(const WatchedStructure& structure,
+                                  std::vector<StoredRecord>* records,
+                                  std::string* error);
 
 }  // namespace pinode
 

@@ -152,6 +152,15 @@ class Learner {
                std::to_string(kRecordsPerTerm * terms);
       return false;
     }
+    // A slope along a constant would be anything, and wrong once it changes.
+    for (Eigen::Index c = 0; c < model_.lowest.size(); ++c) {
+      if (model_.lowest[c] < model_.highest[c]) continue;
+      *error = "the covariate " +
+               series_.covariate_names[static_cast<size_t>(c)] +
+               " is constant in the reference; leave it out, or use a longer "
+               "reference";
+      return false;
+    }
     OrdinaryFit(terms);
     EstimateScatter();
     // The scatter depends little on the weights.
@@ -332,7 +341,8 @@ class Learner {
         squares += series_.sigmas(r, f) * series_.sigmas(r, f);
         count += 1.0;
       }
-      const double variance = std::max(positive(f, f), 0.02 * total(f, f));
+      const double variance =
+          std::max({positive(f, f), 0.02 * total(f, f), 1e-24});
       model_.noise_factors[f] = variance / std::max(squares / count, 1e-24);
       model_.noise_deviations[f] = std::sqrt(variance);
     }

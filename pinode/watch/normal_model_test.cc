@@ -75,6 +75,29 @@ TEST(NormalModel, FindsSlopesAndScatter) {
   EXPECT_GT(model.scatter(0, 2), 0.8 * model.scatter(0, 0));
 }
 
+TEST(NormalModel, RefusesAConstantCovariate) {
+  FeatureSeries series = MakeSeries(300, 1);
+  series.covariates.setConstant(20.0);
+  NormalModel model;
+  std::string error;
+  EXPECT_FALSE(
+      LearnNormal(series, std::vector<bool>(300, true), &model, &error));
+  EXPECT_NE(error.find("covariate T is constant"), std::string::npos) << error;
+}
+
+// Values without any scatter must not give a noise that is no number.
+TEST(NormalModel, HasNoiseOfConstantFeatures) {
+  FeatureSeries series = MakeSeries(300, 1);
+  series.values.setConstant(1.0);
+  const NormalModel model = Learned(series, 300);
+  EXPECT_TRUE(model.noise_correlation.allFinite());
+  EXPECT_TRUE(model.scatter.allFinite());
+  EXPECT_GT(model.noise_deviations.minCoeff(), 0.0);
+  for (const Innovation& innovation : FilterSeries(series, model)) {
+    EXPECT_TRUE(std::isfinite(innovation.t2_score));
+  }
+}
+
 // Estimates of many series must scatter by the deviations that are stated.
 TEST(NormalModel, StatesTheDeviationsOfSlopes) {
   double squares = 0.0;

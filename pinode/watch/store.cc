@@ -275,8 +275,7 @@ bool Store::MakeSchema(Access access, std::string* error) {
         !transaction.Commit(error)) {
       return false;
     }
-    // Readers and the writer do not wait for each other. It stays in the file.
-    return Execute("PRAGMA journal_mode = WAL", error);
+    return UseLog(error);
   }
   if (application != kApplication) {
     *error = path_ +
@@ -290,7 +289,33 @@ bool Store::MakeSchema(Access access, std::string* error) {
              "--backfill";
     return false;
   }
-  return access == Access::kReadOnly || transaction.Commit(error);
+  if (access == Access::kReadOnly) return true;
+  // A process that made the tables may have died before this.
+  return transaction.Commit(error) && UseLog(error);
+}
+
+bool Store::UseLog(std::string* error) {
+  return Execute("PRAGMA journal_mode = WAL", error);
+}
+
+bool Store::Restart(int64_t id, const std::string& settings, bool* done,
+                    std::string* error) {
+  Statement usable(database_,
+                   "SELECT 1 FROM record WHERE structure = ? AND refusal = '' "
+                   "LIMIT 1");
+  *done = !usable.Bind(id).Step();
+  if (!*done) return true;
+  if (!usable.IsAtEnd()) return Fail(error);
+  for (const char* part : {"channel", "mode", "covariate"}) {
+    const std::string sql =
+        std::string("DELETE FROM ") + part +
+        " WHERE record IN (SELECT id FROM record WHERE structure = ?)";
+    if (!Statement(database_, sql.c_str()).Bind(id).Run()) return Fail(error);
+  }
+  Statement clear(database_, "DELETE FROM record WHERE structure = ?");
+  Statement update(database_, "UPDATE structure SET settings = ? WHERE id = ?");
+  return (clear.Bind(id).Run() && update.Bind(settings).Bind(id).Run()) ||
+         Fail(error);
 }
 
 bool Store::OpenStructure(const std::string& name, const std::string& settings,
@@ -304,13 +329,15 @@ bool Store::OpenStructure(const std::string& name, const std::string& settings,
   Statement find(database_,
                  "SELECT id, settings FROM structure WHERE name = ?");
   if (!find.Bind(name).Step()) return Fail(error);
-  if (find.Text(1) != settings) {
+  *id = find.Integer(0);
+  bool same = find.Text(1) == settings;
+  if (!same && !Restart(*id, settings, &same, error)) return false;
+  if (!same) {
     *error = path_ + ": the records of structure '" + name +
              "' were read with other settings in [records], [modes] or the "
              "covariates; restore them, or use a new store";
     return false;
   }
-  *id = find.Integer(0);
   return transaction.Commit(error);
 }
 
@@ -381,16 +408,6 @@ bool Store::AddParts(int64_t id, const StoredRecord& record,
     if (!covariate.Bind(id).Bind(name).Bind(value).Run()) return Fail(error);
   }
   return true;
-}
-
-bool Store::AddCovariate(int64_t structure, const std::string& content,
-                         const std::string& name, double value,
-                         std::string* error) {
-  Statement insert(database_,
-                   "INSERT OR IGNORE INTO covariate SELECT id, ?, ? FROM "
-                   "record WHERE structure = ? AND content = ?");
-  return insert.Bind(name).Bind(value).Bind(structure).Bind(content).Run() ||
-         Fail(error);
 }
 
 bool Store::Records(int64_t structure, std::vector<StoredRecord>* records,

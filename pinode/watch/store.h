@@ -84,7 +84,8 @@ class Store {
   Store& operator=(const Store&) = delete;
 
   // Finds the structure, or adds it. Refuses `settings` that differ from those
-  // of its records.
+  // of its records. If all of them were refused, they are deleted and may be
+  // read again.
   [[nodiscard]] bool OpenStructure(const std::string& name,
                                    const std::string& settings, int64_t* id,
                                    std::string* error);
@@ -94,10 +95,6 @@ class Store {
   // Adds a record as a whole. *added is false if another process has done so.
   [[nodiscard]] bool Add(int64_t structure, const StoredRecord& record,
                          bool* added, std::string* error);
-  // Sets a covariate of a stored record that has none of that name.
-  [[nodiscard]] bool AddCovariate(int64_t structure, const std::string& content,
-                                  const std::string& name, double value,
-                                  std::string* error);
   // Reads all records by time; records of one time by content.
   [[nodiscard]] bool Records(int64_t structure,
                              std::vector<StoredRecord>* records,
@@ -119,6 +116,11 @@ class Store {
   bool Fail(std::string* error) const;
   bool Execute(const char* sql, std::string* error);
   bool MakeSchema(Access access, std::string* error);
+  // Readers and the writer do not wait for each other then.
+  bool UseLog(std::string* error);
+  // Gives a structure without a usable record new settings.
+  bool Restart(int64_t id, const std::string& settings, bool* done,
+               std::string* error);
   bool AddParts(int64_t id, const StoredRecord& record, std::string* error);
   bool ReadParts(int64_t structure, std::vector<StoredRecord>* records,
                  std::string* error);

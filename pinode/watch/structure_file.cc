@@ -86,6 +86,7 @@ class StructureFileReader {
     records.sampling_rate_hz = table.PositiveNumber("sampling_rate_hz", 0.0);
     records.time_in_name = table.String("time_in_name");
     if (!errors_.ok()) return;
+    CheckQuantities(table);
     if (records.columns.empty()) {
       table.Fail("columns", "columns is empty, expected names of columns");
     }
@@ -105,6 +106,27 @@ class StructureFileReader {
       table.Fail("sampling_rate_hz",
                  "time_in_name is missing; with sampling_rate_hz the names of "
                  "the files must say when the records begin");
+    }
+  }
+
+  // A store must not be filled with refusals of every record.
+  void CheckQuantities(const TomlTable& table) {
+    const WatchedRecords& records = structure_.records;
+    for (const std::string& quantity : records.quantities) {
+      if (quantity == "acceleration" || quantity == "velocity" ||
+          quantity == "displacement" || quantity == "strain") {
+        continue;
+      }
+      table.Fail("quantities", "the quantity '" + quantity +
+                                   "' is not known, expected acceleration, "
+                                   "velocity, displacement or strain");
+    }
+    const size_t count = records.quantities.size();
+    if (count > 1 && table.Has("columns") && count != records.columns.size()) {
+      table.Fail("quantities",
+                 "quantities has " + std::to_string(count) +
+                     " entries, expected one for all or one for each of the " +
+                     std::to_string(records.columns.size()) + " columns");
     }
   }
 
@@ -230,13 +252,14 @@ class StructureFileReader {
     alone.Find("modes")->line = modes->line;
     ModesCase c;
     std::string message;
-    if (!ReadModesOptions(alone, &c, &message)) {
-      *error_ = structure_.path + ":" + message;
+    if (!ReadModesOptions(alone, structure_.path, &c, &message)) {
+      *error_ = message;
       return false;
     }
     structure_.modes = c.options;
+    // Results do not depend on the number of threads.
+    alone.Find("modes")->Erase("threads");
     structure_.modes_text = FormatToml(alone);
-    structure_.modes.num_threads = DefaultThreads();
     return true;
   }
 

@@ -128,6 +128,14 @@ TEST(StructureFile, RefusesInOneLine) {
             std::string::npos);
   EXPECT_NE(ErrorOf(least + "[modes]\nmax_ordr = 4\n").find("max_order"),
             std::string::npos);
+  EXPECT_EQ(ErrorOf(least + "[modes]\nmax_order = 5\n").find("b.toml:5: "), 0u);
+  EXPECT_NE(ErrorOf(least + "[records]\nquantities = [\"speed\"]\n")
+                .find("'speed' is not known"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[records]\ncolumns = [\"a\", \"b\", \"c\"]\n"
+                            "quantities = [\"strain\", \"strain\"]\n")
+                .find("each of the 3 columns"),
+            std::string::npos);
   EXPECT_NE(ErrorOf(least + "[modes]\nreferences = [\"a\"]\n")
                 .find("not for pinode_watch"),
             std::string::npos);
@@ -147,6 +155,11 @@ TEST(StructureFile, SettingsNoticeAChangeOfReading) {
   ASSERT_TRUE(ParseStructureFile(least + "[records]\ncolumns = [\"a\"]\n",
                                  "b.toml", &b, &error));
   EXPECT_NE(ReadingSettings(a), ReadingSettings(b));
+  ASSERT_TRUE(ParseStructureFile(least + "[modes]\n", "b.toml", &a, &error));
+  ASSERT_TRUE(ParseStructureFile(least + "[modes]\nthreads = 3\n", "b.toml", &b,
+                                 &error));
+  EXPECT_EQ(ReadingSettings(a), ReadingSettings(b));
+  EXPECT_EQ(b.modes.num_threads, 3);
 }
 
 TEST(StructureFile, ReferencePageHasItsKeys) {

@@ -14,9 +14,9 @@ CaseTable RecordsKeys() {
                "Folder of the records, relative to the structure file."},
               {"pattern", "text", "a shell pattern", "\"*.csv\"",
                "Names of the records in the folder."},
-              {"columns", "texts", "", "all but the time",
-               "Columns of the sensors. Name them if a file has other columns, "
-               "such as a temperature."},
+              {"columns", "texts", "", "all but the time and the covariates",
+               "Columns of the sensors. Name them if a file has other "
+               "columns."},
               {"quantities", "texts", "one for all or one for each",
                "`[\"acceleration\"]`",
                "`acceleration`, `velocity`, `displacement` or `strain`."},
@@ -82,7 +82,7 @@ const std::vector<CaseTable>& StructureTables() {
        "",
        {
            {"records", "whole number", "from 30", "this or `from` and `to`",
-            "Number of records, from the first one on."},
+            "Number of records, from the first one or from `from` on."},
            {"from", "text", "a date", "the first record",
             "Begin, such as `\"2024-03-01\"` or `\"2024-03-01 12:00\"`, UTC."},
            {"to", "text", "a date", "this or `records`",

@@ -35,7 +35,12 @@ bool ListFiles(const std::string& folder, const std::string& pattern,
         entries->is_regular_file(ignored)) {
       files->push_back(entries->path());
     }
-    if (failure) break;
+  }
+  // An increment that fails ends the loop.
+  if (failure) {
+    *error = folder + ": the folder of the records was read in part only (" +
+             failure.message() + "); try again";
+    return false;
   }
   std::sort(files->begin(), files->end());
   return true;
@@ -44,14 +49,17 @@ bool ListFiles(const std::string& folder, const std::string& pattern,
 bool IsGrowing(const fs::path& path) {
   std::error_code failure;
   const auto written = fs::last_write_time(path, failure);
-  return !failure && fs::file_time_type::clock::now() - written < kQuietTime;
+  // A clock that is ahead must not keep a file away for long.
+  const auto age = fs::file_time_type::clock::now() - written;
+  return !failure && age >= -kQuietTime && age < kQuietTime;
 }
 
 }  // namespace
 
 bool StoreNewRecords(const WatchedStructure& structure,
                      const std::string& folder, bool skip_growing, int64_t id,
-                     const WatchCalls& calls, Store* store, WatchCounts* counts,
+                     const WatchCalls& calls, Store* store,
+                     KnownFiles* known_files, WatchCounts* counts,
                      std::string* error) {
   std::vector<fs::path> files;
   if (!ListFiles(folder, structure.records.pattern, &files, error)) {
@@ -68,6 +76,15 @@ bool StoreNewRecords(const WatchedStructure& structure,
       ++counts->growing;
       continue;
     }
+    std::error_code failure;
+    const auto size = fs::file_size(file, failure);
+    const auto written = fs::last_write_time(file, failure);
+    const auto unchanged = known_files->find(file.string());
+    if (!failure && unchanged != known_files->end() &&
+        unchanged->second == std::make_pair(size, written)) {
+      ++counts->known;
+      continue;
+    }
     std::string content;
     std::string message;
     if (!ReadBinaryFile(file.string(), &content, &message)) {
@@ -75,17 +92,29 @@ bool StoreNewRecords(const WatchedStructure& structure,
       if (calls.unreadable) calls.unreadable(message);
       continue;
     }
+    const auto remember = [&] {
+      if (!failure) (*known_files)[file.string()] = {size, written};
+    };
     bool known = false;
     if (!store->Has(id, ContentIdentity(content), &known, error)) return false;
     if (known) {
       ++counts->known;
+      remember();
       continue;
     }
     const StoredRecord record =
         ExamineRecord(structure, file.string(), content);
+    // The examination opens the file again. What it found of another content
+    // must not be stored under this one.
+    std::string after;
+    if (!ReadBinaryFile(file.string(), &after, &message) || after != content) {
+      ++counts->growing;
+      continue;
+    }
     bool added = false;
     if (!store->Add(id, record, &added, error)) return false;
     ++(added ? counts->stored : counts->known);
+    remember();
     if (added && calls.stored) calls.stored(record);
   }
   return true;
@@ -94,19 +123,12 @@ bool StoreNewRecords(const WatchedStructure& structure,
 bool AnalyseStore(const WatchedStructure& structure, int64_t id, Store* store,
                   WatchAnalysis* analysis, std::string* error) {
   std::vector<StoredRecord> records;
-  std::vector<std::pair<size_t, std::string>> found;
   if (!store->Records(id, &records, error) ||
-      !FillCovariates(structure, &records, &found, error)) {
+      !FillCovariates(structure, &records, error)) {
     return false;
   }
-  for (const auto& [record, name] : found) {
-    const StoredRecord& of = records[record];
-    if (!store->AddCovariate(id, of.content, name, of.Covariate(name), error)) {
-      return false;
-    }
-  }
   *analysis = AnalyseRecords(structure, std::move(records));
-  return store->SetEvents(id, analysis->events, error);
+  return true;
 }
 
 std::string DateText(double time) {

@@ -5,8 +5,11 @@
 #define PINODE_WATCH_WATCH_H_
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/watch/store.h"
@@ -28,9 +31,15 @@ struct WatchCounts {
   int stored = 0;  // new
   int known = 0;   // files whose content is in the store
   int unreadable = 0;
-  int growing = 0;  // written less than a few seconds ago, left for later
+  int growing = 0;  // written a few seconds ago, or meanwhile; left for later
   bool interrupted = false;
 };
+
+// Files that were found in the store, by path: their sizes and times. A file
+// that has not changed is not read again.
+using KnownFiles =
+    std::map<std::string,
+             std::pair<std::uintmax_t, std::filesystem::file_time_type>>;
 
 // Examines the files of `folder` that are not in the store, in the order of
 // their names, and stores each in a transaction of its own. `skip_growing`:
@@ -39,11 +48,12 @@ struct WatchCounts {
 [[nodiscard]] bool StoreNewRecords(const WatchedStructure& structure,
                                    const std::string& folder, bool skip_growing,
                                    int64_t id, const WatchCalls& calls,
-                                   Store* store, WatchCounts* counts,
-                                   std::string* error);
+                                   Store* store, KnownFiles* known_files,
+                                   WatchCounts* counts, std::string* error);
 
-// Analyses all records of the structure in the store, and stores the events.
-// Covariates from files of their own are stored with their records.
+// Analyses all records of the structure in the store. Covariates from files of
+// their own are read anew, so that a corrected file counts. The events are not
+// stored: whoever has told about them does that.
 [[nodiscard]] bool AnalyseStore(const WatchedStructure& structure, int64_t id,
                                 Store* store, WatchAnalysis* analysis,
                                 std::string* error);

@@ -38,16 +38,19 @@ void SelectRecords(std::vector<StoredRecord> records, WatchAnalysis* analysis) {
 void MarkReference(const ReferencePeriod& reference, WatchAnalysis* analysis) {
   const size_t count = analysis->records.size();
   analysis->is_reference.assign(count, false);
+  int marked = 0;
   for (size_t r = 0; r < count; ++r) {
     const double time = analysis->records[r].time;
-    analysis->is_reference[r] =
-        reference.num_records > 0
-            ? r < static_cast<size_t>(reference.num_records)
-            : time >= reference.from && time < reference.to;
+    const bool is_reference =
+        time >= reference.from &&
+        (reference.num_records > 0 ? marked < reference.num_records
+                                   : time < reference.to);
+    analysis->is_reference[r] = is_reference;
+    marked += is_reference ? 1 : 0;
   }
   analysis->reference_is_complete =
       reference.num_records > 0
-          ? count >= static_cast<size_t>(reference.num_records)
+          ? marked == reference.num_records
           : count > 0 && analysis->records.back().time >= reference.to;
 }
 

@@ -242,6 +242,17 @@ TEST(WatchAnalysis, LearnsUntilTheReferenceIsComplete) {
   EXPECT_NE(analysis.reason.find("not complete"), std::string::npos);
 }
 
+TEST(WatchAnalysis, CountsTheReferenceFromItsBegin) {
+  WatchedStructure structure = Structure();
+  const std::vector<StoredRecord> records = Records(549, 549, 0.0);
+  structure.reference.from = records[50].time;
+  const WatchAnalysis analysis = AnalyseRecords(structure, records);
+  EXPECT_FALSE(analysis.is_reference[49]);
+  EXPECT_TRUE(analysis.is_reference[50]);
+  // Records 50 to 548 are one too few.
+  EXPECT_FALSE(analysis.reference_is_complete);
+}
+
 TEST(WatchAnalysis, TakesTheLongestOfRecordsOfOneTime) {
   std::vector<StoredRecord> records = Records(600, 600, 0.0);
   StoredRecord part = records[550];

@@ -353,9 +353,9 @@ bool ReadModesCase(const std::string& path, ModesCase* c, std::string* error) {
          ModesCaseReader(source, path, nullptr, error).Read(c);
 }
 
-bool ReadModesOptions(const TomlValue& source, ModesCase* c,
-                      std::string* error) {
-  return ModesCaseReader(source, "", nullptr, error).ReadOptionsAlone(c);
+bool ReadModesOptions(const TomlValue& source, const std::string& path,
+                      ModesCase* c, std::string* error) {
+  return ModesCaseReader(source, path, nullptr, error).ReadOptionsAlone(c);
 }
 
 bool ReadModesTree(const TomlValue& source, const std::string& path,

@@ -56,7 +56,9 @@ struct ModesCase {
                                  std::string* error);
 
 // Reads [modes] of `source` alone, for records that are in memory already.
-[[nodiscard]] bool ReadModesOptions(const TomlValue& source, ModesCase* c,
+// Messages begin with `path`, unless it is empty.
+[[nodiscard]] bool ReadModesOptions(const TomlValue& source,
+                                    const std::string& path, ModesCase* c,
                                     std::string* error);
 
 // Reads the case `source`, with `data` in place of files that it names, as

@@ -149,7 +149,7 @@ std::shared_ptr<ModesHandle> FromSetups(const py::list& setups,
   CaseData none;
   auto handle = std::make_shared<ModesHandle>();
   std::string error;
-  Require(ReadModesOptions(TreeFromPython(tree, &none), &handle->c, &error),
+  Require(ReadModesOptions(TreeFromPython(tree, &none), "", &handle->c, &error),
           error);
   handle->c.title = title;
   AddRecords(setups, &handle->c);
@@ -187,7 +187,8 @@ std::shared_ptr<ModesHandle> FromDataFile(
   CaseData none;
   ModesCase asked;
   std::string error;
-  Require(ReadModesOptions(TreeFromPython(tree, &none), &asked, &error), error);
+  Require(ReadModesOptions(TreeFromPython(tree, &none), "", &asked, &error),
+          error);
   const ModesDataFile file = {path, columns, quantities, time,
                               sampling_rate_hz};
   auto handle = std::make_shared<ModesHandle>();
