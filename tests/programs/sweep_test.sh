@@ -46,7 +46,7 @@ grep -qF "not stable from" stdout || Fail "stable"
 awk -F, 'NR > 2 { back += $1 < before } { before = $1 }
   END { exit back < 3 }' hard/sweep.csv || Fail "the curve does not turn back"
 
-# What is no sweep.
+# Flags that make no sweep.
 for hz in "" 5 5:5 0:5 a:b 5:inf; do
   Refused "" --case=single.toml --output_dir=E --sweep=force_y --sweep_hz="$hz"
 done

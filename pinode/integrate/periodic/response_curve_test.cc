@@ -147,7 +147,7 @@ TEST(ResponseCurve, OfAHardeningMassFoldsWhereItIsUnstable) {
   for (size_t i = 1; i + 1 < curve.size(); ++i) {
     const PeriodicResponse& point = curve[i];
     EXPECT_LT(point.neglected, 1e-6);
-    // Where the curve runs backwards the response is unstable.
+    // On the part of the curve that runs backwards the response is unstable.
     const bool back =
         curve[i + 1].omega < point.omega && point.omega < curve[i - 1].omega;
     const bool forth =

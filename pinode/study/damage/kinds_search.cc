@@ -12,7 +12,7 @@
 namespace pinode {
 namespace {
 
-// What is found may change what else is.
+// A cause that is found may change the others.
 constexpr int kMaxRounds = 3;
 
 using Candidates = std::vector<ChangeCandidate>;
