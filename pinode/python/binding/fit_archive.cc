@@ -205,16 +205,22 @@ void VisitOne(Archive* a, Feature& value) {
 
 template <typename Archive>
 void VisitOne(Archive* a, DiscoveredTerm& value) {
-  auto& [basis, coefficient, share, rms, probability, given, sign, unit,
-         regressed, sigma, lower, upper] = value;
-  Visit(a, basis, coefficient, share, rms, probability, given, sign, unit,
-        regressed, sigma, lower, upper);
+  auto& [basis, coefficient, share, rms, inclusion, probability, given, sign,
+         unit, regressed, sigma, lower, upper] = value;
+  Visit(a, basis, coefficient, share, rms, inclusion, probability, given, sign,
+        unit, regressed, sigma, lower, upper);
 }
 
 template <typename Archive>
 void VisitOne(Archive* a, DiscoveryCandidate& value) {
-  auto& [basis, rms, sign, degree] = value;
-  Visit(a, basis, rms, sign, degree);
+  auto& [basis, rms, sign, degree, probability] = value;
+  Visit(a, basis, rms, sign, degree, probability);
+}
+
+template <typename Archive>
+void VisitOne(Archive* a, TermRival& value) {
+  auto& [without, with, log_odds, fitted] = value;
+  Visit(a, without, with, log_odds, fitted);
 }
 
 template <typename Archive>
@@ -236,9 +242,9 @@ void VisitOne(Archive* a, DiscoveredEquation& value) {
 // Visits all fields but the fit, as above.
 template <typename Archive>
 void VisitOne(Archive* a, Discovery& value) {
-  auto& [equations, dropped, added, refitted, problem, summary, model,
+  auto& [equations, dropped, added, rivals, refitted, problem, summary, model,
          refinement] = value;
-  Visit(a, equations, dropped, added, refitted, refinement);
+  Visit(a, equations, dropped, added, rivals, refitted, refinement);
 }
 
 // Visits an optional part. The fit to which it belongs is set in it.
@@ -265,7 +271,7 @@ void Visit(Archive* a, Fields&... fields) {
 
 // Number of the layout of a packed fit. Count it up when a visited struct
 // changes.
-constexpr int kLayout = 6;
+constexpr int kLayout = 7;
 
 // Integration steps of a record, which a fit may have refined.
 struct RecordSteps {
