@@ -444,6 +444,8 @@ TEST(CaseFileTest, ReadsEveryCaseOfTheProject) {
            fs::path(PINODE_SOURCE_DIR) / "data",
            fs::directory_options::follow_directory_symlink)) {
     if (entry.path().extension() != ".toml") continue;
+    // Not a case, but a structure file of pinode_watch.
+    if (entry.path().stem() == "watched_bridge") continue;
     // The frame's differ by their records alone, and read a dozen exports each.
     if (entry.path().parent_path().filename() == "frame" &&
         entry.path().stem() != "gap") {
