@@ -6,6 +6,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/report/mode_tables.h"
 #include "pinode/report/number_text.h"
 
 namespace pinode {
@@ -13,10 +14,6 @@ namespace {
 
 using Align = TextTable::Align;
 using Role = IdentificationRecord::Role;
-
-std::string Percent(double fraction) {
-  return ReadableNumber(100.0 * fraction, 3);
-}
 
 const char* RoleName(Role role) {
   return role == Role::kTrain ? "train" : "hold-out";
@@ -114,7 +111,7 @@ TextTable MakeChangeExplanationTable(const DamageResult& damage) {
       const GroupChange& change = all[i].changes[k];
       table.AddRow(
           {k == 0 ? std::to_string(i + 1) : "",
-           k == 0 ? Percent(all[i].probability) : "",
+           k == 0 ? PercentText(all[i].probability) : "",
            damage.subjects[static_cast<size_t>(all[i].changed[k])].name,
            Hundredths(change.change),
            Hundredths(change.lower95) + " to " + Hundredths(change.upper95)});
@@ -201,61 +198,8 @@ TextTable MakeExplanationTable(const ReportInput& input) {
     table.AddRow({std::to_string(++number), explanation.what,
                   ReadableNumber(explanation.probability, 2),
                   ReadableNumber(explanation.log_odds / std::log(10.0), 3),
-                  Percent(explanation.removes), explanation.moved,
+                  PercentText(explanation.removes), explanation.moved,
                   ReadableNumber(explanation.shift, 2)});
-  }
-  return table;
-}
-
-TextTable MakeModeTable(const ReportInput& input) {
-  TextTable table({{"mode", Align::kDecimal},
-                   {"initial Hz", Align::kDecimal},
-                   {"updated Hz", Align::kDecimal},
-                   {"change %", Align::kDecimal},
-                   {"initial damping, % crit.", Align::kDecimal},
-                   {"updated damping, % crit.", Align::kDecimal},
-                   {"MAC", Align::kDecimal}});
-  int number = 0;
-  const double hz = input.problem->description.HzPerModelFrequency();
-  for (const ModePair& mode : input.prior.modes) {
-    const double initial_hz = hz * mode.initial_frequency;
-    const double updated_hz = hz * mode.updated_frequency;
-    const double change = 100.0 * (updated_hz / initial_hz - 1.0);
-    std::string change_text = "-";
-    if (std::isfinite(change)) {
-      // Two decimals suffice: frequencies are rarely known better.
-      const double rounded = std::round(100.0 * change) / 100.0;
-      change_text = (rounded > 0.0 ? "+" : "") + ReadableNumber(rounded, 3);
-    }
-    table.AddRow({std::to_string(++number), ReadableNumber(initial_hz, 5),
-                  ReadableNumber(updated_hz, 5), change_text,
-                  Percent(mode.initial_damping), Percent(mode.updated_damping),
-                  ReadableNumber(mode.mac, 4)});
-  }
-  return table;
-}
-
-TextTable MakeMeasuredModeTable(const ReportInput& input) {
-  TextTable table({{"mode", Align::kLeft},
-                   {"measured Hz", Align::kDecimal},
-                   {"initial Hz", Align::kDecimal},
-                   {"error %", Align::kDecimal},
-                   {"updated Hz", Align::kDecimal},
-                   {"error %", Align::kDecimal},
-                   {"initial MAC", Align::kDecimal},
-                   {"updated MAC", Align::kDecimal}});
-  const double hz = input.problem->description.HzPerModelFrequency();
-  for (const ModeScore& mode : input.summary->modes) {
-    const auto error = [&mode](double frequency) {
-      return ReadableNumber(100.0 * (frequency / mode.frequency - 1.0), 3);
-    };
-    table.AddRow({mode.name, ReadableNumber(hz * mode.frequency, 5),
-                  ReadableNumber(hz * mode.initial.frequency, 5),
-                  error(mode.initial.frequency),
-                  ReadableNumber(hz * mode.updated.frequency, 5),
-                  error(mode.updated.frequency),
-                  ReadableNumber(mode.initial.mac, 5),
-                  ReadableNumber(mode.updated.mac, 5)});
   }
   return table;
 }
@@ -360,8 +304,8 @@ TextTable MakeRecordTable(const ReportInput& input) {
           " " + input.problem->description.units.time;
     }
     table.AddRow({record.name, RoleName(record.role),
-                  record.finite ? Percent(record.nrmse) : "-",
-                  Percent(record.prior_nrmse),
+                  record.finite ? PercentText(record.nrmse) : "-",
+                  PercentText(record.prior_nrmse),
                   record.finite
                       ? ReadableNumber(record.nrmse / record.prior_nrmse, 3)
                       : "-",
@@ -395,10 +339,12 @@ TextTable MakeSensorTable(const ReportInput& input) {
       table.AddRow(
           {record.name, channel.name, quantity, ChannelPlace(input, i, index),
            ReadableNumber(channel.rmse, 4),
-           UnitText(ChannelUnit(input, i, index)), Percent(channel.nrmse),
-           Percent(channel.prior_nrmse), Percent(NoiseShare(input, i, index)),
-           std::isfinite(channel.band_coverage) ? Percent(channel.band_coverage)
-                                                : "",
+           UnitText(ChannelUnit(input, i, index)), PercentText(channel.nrmse),
+           PercentText(channel.prior_nrmse),
+           PercentText(NoiseShare(input, i, index)),
+           std::isfinite(channel.band_coverage)
+               ? PercentText(channel.band_coverage)
+               : "",
            measured.fit ? "" : "not fitted"});
     }
   }
@@ -420,7 +366,8 @@ TextTable MakeStageTable(const ReportInput& input) {
     table.AddRow(
         {std::to_string(++number), std::to_string(stage.segment_samples),
          std::to_string(stage.num_segments), std::to_string(stage.iterations),
-         ReadableNumber(stage.largest_gap, 2), Percent(stage.free_run_error),
+         ReadableNumber(stage.largest_gap, 2),
+         PercentText(stage.free_run_error),
          stage.rolled_back ? "rolled back" : ""});
   }
   return table;

@@ -21,9 +21,6 @@ TextTable MakeChangeExplanationTable(const DamageResult& damage);
 // "fixed", "at bound" or "no interval" if it applies.
 TextTable MakeParameterTable(const ReportInput& input);
 
-// Returns the measured modes: their frequencies (Hz), those of the initial and
-// the updated model, errors of these in per cent, and MAC at the measured DOFs.
-TextTable MakeMeasuredModeTable(const ReportInput& input);
 // Returns the share of each ambient channel that the model explains.
 TextTable MakeAmbientTable(const ReportInput& input);
 
@@ -40,9 +37,6 @@ TextTable MakeExplainedValueTable(const ReportInput& input);
 
 // Returns the profiles of the likelihood.
 TextTable MakeProfileTable(const ReportInput& input);
-// Returns frequencies (Hz), damping ratios (%) and MAC of the initial and the
-// updated model.
-TextTable MakeModeTable(const ReportInput& input);
 
 // Returns the errors of the simulations in per cent (nrmse), compared with the
 // initial model's; hold-out records first.

@@ -61,44 +61,6 @@ TEST(Console, ShowsHoldoutRecordsFirst) {
   EXPECT_THAT(lines[3], ContainsRegex("north_quake +train .*not finite"));
 }
 
-TEST(Console, ShowsModesAndWhatIsMissingOfThem) {
-  const auto example = testing::MakeReportExample();
-  example->input.prior.modes.resize(2);
-  example->input.prior.modes[0].initial_frequency = 2.0;
-  example->input.prior.modes[0].updated_frequency = 2.1;
-  example->input.prior.modes[0].initial_damping = 0.02;
-  example->input.prior.modes[0].updated_damping = 0.035;
-  example->input.prior.modes[0].mac = 0.9987;
-  example->input.prior.modes[1] = ModePair();
-  const std::vector<std::string> lines =
-      Lines(MakeModeTable(example->input).ToText());
-  EXPECT_THAT(lines[2], ContainsRegex("1 +2\\.0000 +2\\.1000 +\\+5\\.00 "
-                                      "+2\\.00 +3\\.50 +0\\.9987"));
-  EXPECT_THAT(lines[3], ContainsRegex("2 +- +- +- +- +- +-"));
-}
-
-TEST(Console, ShowsMeasuredModesBesideTheModels) {
-  const auto example = testing::MakeReportExample();
-  // In a model whose time is in milliseconds.
-  example->problem.description.units.time = "ms";
-  ModeScore mode;
-  mode.name = "bending";
-  mode.frequency = 2e-3;
-  mode.initial = {0, 2.2e-3, 0.91};
-  mode.updated = {0, 1.99e-3, 0.9987};
-  example->summary.modes.push_back(mode);
-  mode.name = "sway";
-  mode.updated.mac = std::numeric_limits<double>::quiet_NaN();
-  example->summary.modes.push_back(mode);
-  const std::vector<std::string> lines =
-      Lines(MakeMeasuredModeTable(example->input).ToText());
-  ASSERT_EQ(lines.size(), 4u);
-  EXPECT_THAT(lines[2],
-              ContainsRegex("bending +2\\.0000 +2\\.2000 +10\\.0+ +1\\.9900 "
-                            "+-0\\.50+ +0\\.9100+ +0\\.9987"));
-  EXPECT_THAT(lines[3], ContainsRegex("sway .* -$"));
-}
-
 TEST(Console, ShowsSensorsInTheirUnits) {
   const auto example = testing::MakeReportExample();
   example->problem.records[0].channels[2].fit = false;

@@ -323,6 +323,8 @@ class PageMaker {
     const TextTable table = MakeModeTable(input_);
     SetIf("modes", !table.empty(), TableData(table), &page_);
     SetFigure("mode_figure", figures_.modes);
+    const TextTable masses = MakeModalMassTable(input_);
+    SetIf("modal_masses", !masses.empty(), TableData(masses), &page_);
   }
 
   void AddHistories() {

@@ -40,6 +40,10 @@ std::string Fixed(double value, int decimals) {
 
 }  // namespace
 
+std::string PercentText(double fraction) {
+  return ReadableNumber(100.0 * fraction, 3);
+}
+
 std::string ReadableNumber(double value, int digits) {
   if (!std::isfinite(value)) return "-";
   if (value == 0.0) return "0";

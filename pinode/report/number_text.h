@@ -12,6 +12,10 @@ namespace pinode {
 // outside; "-" if it is not finite.
 std::string ReadableNumber(double value, int digits = 4);
 
+// Returns a fraction in per cent with three significant digits, without the
+// sign of per cent.
+std::string PercentText(double fraction);
+
 // An estimate with its uncertainty and its initial value. The three share one
 // exponent and one number of decimals, that of two significant digits of the
 // uncertainty: 4001200, 1300, 3200000 or 5.6251e-06, 0.0023e-06, 5.0000e-06.

@@ -66,6 +66,11 @@ TEST(ResultFilesTest, EverythingIsThere) {
   ASSERT_EQ(json["modes"].size(), 2u);
   EXPECT_NEAR(json["modes"][0]["initial_damping"].get<double>(), 0.02, 1e-9);
   EXPECT_GT(json["modes"][0]["updated_hz"].get<double>(), 0.0);
+  double mass = 0.0;
+  for (const auto& mode : json["modes"]) {
+    mass += mode["updated_mass_share"]["x"].get<double>();
+  }
+  EXPECT_NEAR(mass, 1.0, 1e-9);
   EXPECT_NEAR(json["modes"][0]["mac"].get<double>(), 1.0, 0.1);
 
   // Predictions are in the units of the file, sign included.

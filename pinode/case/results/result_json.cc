@@ -167,6 +167,11 @@ bool Modes(const IdentificationProblem& problem,
                   {"initial_damping", pair.initial_damping},
                   {"updated_damping", pair.updated_damping},
                   {"mac", pair.mac}};
+    for (Eigen::Index d = 0; d < pair.updated_mass_shares.size(); ++d) {
+      const std::string& direction =
+          dynamics.model().directions[static_cast<size_t>(d)];
+      entry["updated_mass_share"][direction] = pair.updated_mass_shares[d];
+    }
     for (const ModeScore& mode : summary.modes) {
       if (!mode.InUse() || mode.updated.mode != pair.updated_mode) continue;
       entry["measured_hz"] = mode.frequency * hz;

@@ -201,7 +201,9 @@ class Outcome:
     @property
     def modes(self) -> list[dict[str, Any]]:
         """Modes of the initial and the updated model: initial_hz, updated_hz,
-        initial_damping, updated_damping (fractions of critical), mac.
+        initial_damping, updated_damping (fractions of critical), mac, and
+        updated_mass_share: effective mass of the updated mode in parts of the
+        moving mass, per direction of ground motion.
         """
         return self.json["modes"]
 

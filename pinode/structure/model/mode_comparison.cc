@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pinode/structure/model/modal_analysis.h"
+#include "pinode/structure/model/modal_mass.h"
 
 namespace pinode {
 namespace {
@@ -48,6 +49,10 @@ bool CompareModes(const StructuralModel& initial,
   AlignRigidBodies(before, updated.mass, &after);
   const std::vector<int> partners =
       PairModes(before.mode_shapes, after.mode_shapes);
+  const Matrix shares =
+      updated.num_directions() > 0
+          ? EffectiveModalMasses(updated, after.mode_shapes).Shares()
+          : Matrix(after.mode_shapes.cols(), 0);
   for (int i = 0; i < before.frequency_hz.size(); ++i) {
     ModePair pair;
     pair.initial_frequency = before.frequency_hz[i];
@@ -59,6 +64,7 @@ bool CompareModes(const StructuralModel& initial,
       pair.updated_frequency = after.frequency_hz[partner];
       pair.updated_damping = after.damping_ratio[partner];
       pair.updated_shape = after.mode_shapes.col(partner);
+      pair.updated_mass_shares = shares.row(partner).transpose();
       pair.mac = Mac(pair.initial_shape, pair.updated_shape);
     }
     pairs->push_back(std::move(pair));

@@ -32,6 +32,29 @@ TEST(ModeComparison, FollowsModesThatChangePlaces) {
   EXPECT_EQ(pairs[1].updated_mode, 0);
 }
 
+// A mass that stands on a spring of its own is one mode's effective mass.
+// Masses of 1 and 3 change places, for the spring of the first is stiffened.
+TEST(ModeComparison, MassesBelongToTheUpdatedModes) {
+  const auto with_masses = [](double first) {
+    StructuralModel model = TwoMasses(first, 12.0);
+    model.mass(1, 1) = 3.0;
+    model.directions = {"x", "y"};
+    model.influence = Matrix::Zero(2, 2);
+    model.influence.col(0).setOnes();
+    return model;
+  };
+  std::vector<ModePair> pairs;
+  std::string error;
+  ASSERT_TRUE(CompareModes(with_masses(1.0), with_masses(9.0), &pairs, &error))
+      << error;
+  ASSERT_EQ(pairs.size(), 2u);
+  ASSERT_EQ(pairs[0].updated_mass_shares.size(), 2);
+  EXPECT_NEAR(pairs[0].updated_mass_shares[0], 0.25, 1e-12);
+  EXPECT_NEAR(pairs[1].updated_mass_shares[0], 0.75, 1e-12);
+  // Nothing moves along y.
+  EXPECT_TRUE(std::isnan(pairs[0].updated_mass_shares[1]));
+}
+
 // Three equal masses in a row, two of them connected: any combination of the
 // two unsupported motions is a mode.
 TEST(ModeComparison, RigidBodiesAreAsLikeAsTheyCanBe) {
