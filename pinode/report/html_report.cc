@@ -11,6 +11,7 @@
 #include "pinode/report/console.h"
 #include "pinode/report/figure.h"
 #include "pinode/report/fit_text.h"
+#include "pinode/report/mode_tables.h"
 #include "pinode/report/number_text.h"
 #include "pinode/report/page_data.h"
 #include "pinode/report/report_figures.h"
