@@ -91,6 +91,23 @@ TEST(ResampleTest, ConstantsAndEnds) {
       1e-4);
 }
 
+// NumPy gave the figures, from the definition: the sum of sinc(b d) w(d / r)
+// over the samples at distances d up to r = 32 / b, with b = 0.92 / ratio,
+// Blackman's window w and odd reflection at the ends.
+TEST(ResampleTest, IsTheWindowedSincOfItsDefinition) {
+  Vector values(301);
+  for (int i = 0; i < 301; ++i) values[i] = std::cos(0.01 * i * i);
+  const Vector half = Resample(values, 0.01, 0.02);
+  EXPECT_NEAR(half[0], 1.000000000000, 1e-9);
+  EXPECT_NEAR(half[40], 0.257187578905, 1e-9);
+  EXPECT_NEAR(half[75], -0.000046324470, 1e-9);
+  EXPECT_NEAR(half[150], 0.066246702203, 1e-9);
+  // The fraction of the time changes from sample to sample.
+  const Vector other = Resample(values, 0.01, 0.0137);
+  EXPECT_NEAR(other[3], 0.985764289029, 1e-9);
+  EXPECT_NEAR(other[120], -0.000916141710, 1e-9);
+}
+
 TEST(ResampleTest, OneSampleIsLeft) {
   for (const double step : {0.4, 1e6, 1e300}) {
     EXPECT_EQ(Resample(Sine(3.0, 0.01, 40), 0.01, step), Sine(3.0, 0.01, 1));
