@@ -132,7 +132,7 @@ void Wait(int seconds) {
 // Looks at the folder once, and tells what is new. False with one line if that
 // was not possible.
 bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
-          bool overwrite, Store* store, KnownFiles* known_files,
+          bool overwrite, Store* store, std::string* covariates,
           WatchCounts* counts, int* status, std::string* error) {
   WatchCalls calls;
   calls.stored = PrintRecord;
@@ -143,11 +143,12 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
   const std::string folder =
       FLAGS_backfill.empty() ? structure.records.folder : FLAGS_backfill;
   *status = kExitDone;
-  if (!StoreNewRecords(structure, folder, !once, id, calls, store, known_files,
-                       counts, error)) {
+  if (!StoreNewRecords(structure, folder, !once, id, calls, store, counts,
+                       error)) {
     return false;
   }
-  if (!is_due && counts->stored == 0) return true;
+  const std::string state = CovariateFilesState(structure);
+  if (!is_due && counts->stored == 0 && state == *covariates) return true;
   std::vector<StoredEvent> known;
   WatchAnalysis analysis;
   if (!store->Events(id, &known, error) ||
@@ -168,6 +169,7 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
     return false;
   }
   if (!store->SetEvents(id, analysis.events, error)) return false;
+  *covariates = state;
   *status = WriteFolder(structure, analysis, overwrite);
   return true;
 }
@@ -175,14 +177,15 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
 // Looks at the folder once or until an interrupt. Returns the exit status.
 int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
   const bool once = FLAGS_once || !FLAGS_backfill.empty();
-  KnownFiles known_files;
+  // State of the covariates' own files at the last analysis.
+  std::string covariates;
   bool is_due = true;
   for (bool first = true;; first = false) {
     WatchCounts counts;
     std::string error;
     int status = kExitDone;
     if (Look(structure, id, is_due, once, FLAGS_overwrite || !first, store,
-             &known_files, &counts, &status, &error)) {
+             &covariates, &counts, &status, &error)) {
       if (status != kExitDone) return status;
       is_due = false;
     } else {

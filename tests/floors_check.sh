@@ -120,8 +120,8 @@ awk '
     if (header == "httplib.h" && FILENAME !~ /^pinode\/app\//) {
       Fail("includes " header ", expected httplib in pinode/app only")
     }
-    if (header == "sqlite3.h" && FILENAME !~ /^pinode\/watch\/store(_test)?\.cc$/) {
-      Fail("includes " header ", expected pinode/watch/store.h")
+    if (header == "sqlite3.h" && FILENAME !~ /^pinode\/watch\/store(_[a-z]+)?\.(cc|h)$/) {
+      Fail("includes " header ", expected pinode/watch/store*")
     }
     if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
       Fail("includes " header ", expected pinode/base/communicator.h")

@@ -64,6 +64,17 @@ struct StoredEvent {
   std::string text;
 };
 
+// File whose content is in the store. It is not read again as long as its size
+// and times are the same.
+struct StoredFile {
+  std::string path;  // absolute
+  int64_t size = 0;
+  // Times of the last write and of the last change of its entry, ns since 1970.
+  int64_t written = 0;
+  int64_t changed = 0;
+  std::string content;  // see ContentIdentity()
+};
+
 // Returns a text that distinguishes contents: their size and a hash.
 std::string ContentIdentity(const std::string& content);
 
@@ -99,6 +110,14 @@ class Store {
   [[nodiscard]] bool Records(int64_t structure,
                              std::vector<StoredRecord>* records,
                              std::string* error);
+
+  // Reads the files whose records are in the store.
+  [[nodiscard]] bool Files(int64_t structure, std::vector<StoredFile>* files,
+                           std::string* error);
+  // Adds files, or replaces those of the same path.
+  [[nodiscard]] bool RememberFiles(int64_t structure,
+                                   const std::vector<StoredFile>& files,
+                                   std::string* error);
 
   // Replaces the events of the structure.
   [[nodiscard]] bool SetEvents(int64_t structure,

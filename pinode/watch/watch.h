@@ -5,11 +5,8 @@
 #define PINODE_WATCH_WATCH_H_
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
-#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pinode/watch/store.h"
@@ -31,25 +28,25 @@ struct WatchCounts {
   int stored = 0;  // new
   int known = 0;   // files whose content is in the store
   int unreadable = 0;
+  int read = 0;     // opened to look at their content
   int growing = 0;  // written a few seconds ago, or meanwhile; left for later
   bool interrupted = false;
 };
 
-// Files that were found in the store, by path: their sizes and times. A file
-// that has not changed is not read again.
-using KnownFiles =
-    std::map<std::string,
-             std::pair<std::uintmax_t, std::filesystem::file_time_type>>;
-
 // Examines the files of `folder` that are not in the store, in the order of
-// their names, and stores each in a transaction of its own. `skip_growing`:
-// leaves files alone that were written a moment ago. Returns false, with one
-// line, if the folder or the store cannot be used.
+// their names, and stores each in a transaction of its own. The store remembers
+// their sizes and times, and files that have not changed are not read again.
+// `skip_growing`: leaves files alone that were written a moment ago. Returns
+// false, with one line, if the folder or the store cannot be used.
 [[nodiscard]] bool StoreNewRecords(const WatchedStructure& structure,
                                    const std::string& folder, bool skip_growing,
                                    int64_t id, const WatchCalls& calls,
-                                   Store* store, KnownFiles* known_files,
-                                   WatchCounts* counts, std::string* error);
+                                   Store* store, WatchCounts* counts,
+                                   std::string* error);
+
+// Returns a text that changes with the covariates' own files, by their sizes
+// and times.
+std::string CovariateFilesState(const WatchedStructure& structure);
 
 // Analyses all records of the structure in the store. Covariates from files of
 // their own are read anew, so that a corrected file counts. The events are not
