@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <map>
-#include <string>
 
 #include "pinode/watch/assignment.h"
+#include "pinode/watch/channel_shape.h"
 
 namespace pinode {
 namespace {
@@ -21,47 +20,13 @@ constexpr double kLeastWeight = 0.1;
 constexpr int kFewModes = 10;
 constexpr int kLongAbsence = 100;  // records
 
-using Shape = std::map<std::string, std::complex<double>>;
-
 // History while it is made.
 struct Recent {
   double log_frequency = 0.0;
   double sigma = 0.0;  // of log_frequency, of a typical mode
-  Shape shape;
+  ChannelShape shape;
   int count = 0;
   int last_record = 0;
-};
-
-Shape ShapeOf(const StoredRecord& record, const StoredMode& mode) {
-  Shape shape;
-  Eigen::Index place = 0;
-  for (const StoredChannel& channel : record.channels) {
-    if (!channel.fault.empty()) continue;
-    if (place >= mode.shape.size()) break;
-    shape[channel.name] = mode.shape[place++];
-  }
-  return shape;
-}
-
-// Sums over the channels that both shapes have.
-struct Products {
-  std::complex<double> ab;
-  double aa = 0.0;
-  double bb = 0.0;
-
-  Products(const Shape& a, const Shape& b) {
-    for (const auto& [name, value] : a) {
-      const auto other = b.find(name);
-      if (other == b.end()) continue;
-      ab += std::conj(value) * other->second;
-      aa += std::norm(value);
-      bb += std::norm(other->second);
-    }
-  }
-  // 1 without a common channel: frequencies alone must then decide.
-  double Mac() const {
-    return aa > 0.0 && bb > 0.0 ? std::norm(ab) / (aa * bb) : 1.0;
-  }
 };
 
 class Joiner {
@@ -79,7 +44,7 @@ class Joiner {
     const Eigen::Index num_modes =
         static_cast<Eigen::Index>(record.modes.size());
     const Eigen::Index num_alive = static_cast<Eigen::Index>(alive.size());
-    std::vector<Shape> shapes;
+    std::vector<ChannelShape> shapes;
     for (const StoredMode& mode : record.modes) {
       shapes.push_back(ShapeOf(record, mode));
     }
@@ -114,7 +79,7 @@ class Joiner {
 
  private:
   // Cost of joining; beyond that of a birth if it is not allowed.
-  double Cost(const StoredMode& mode, const Shape& shape,
+  double Cost(const StoredMode& mode, const ChannelShape& shape,
               const Recent& recent) const {
     constexpr double kForbidden = 1e6;
     const double sigma = mode.frequency_sigma / mode.frequency_hz;
@@ -124,13 +89,13 @@ class Joiner {
     const double step =
         (std::log(mode.frequency_hz) - recent.log_frequency) / scale;
     if (std::abs(step) > 1.0) return kForbidden;
-    const double mac = Products(recent.shape, shape).Mac();
+    const double mac = ShapeProducts(recent.shape, shape).Mac();
     if (mac < options_.least_mac) return kForbidden;
     return step * step + (1.0 - mac) / (1.0 - options_.least_mac);
   }
 
-  static void Update(const StoredMode& mode, const Shape& shape, int number,
-                     Recent* recent) {
+  static void Update(const StoredMode& mode, const ChannelShape& shape,
+                     int number, Recent* recent) {
     ++recent->count;
     recent->last_record = number;
     const double weight = std::max(kLeastWeight, 1.0 / recent->count);
@@ -139,7 +104,7 @@ class Joiner {
     recent->sigma +=
         weight * (mode.frequency_sigma / mode.frequency_hz - recent->sigma);
     // Shapes have no scale and no phase: take those of the history.
-    const Products products(recent->shape, shape);
+    const ShapeProducts products(recent->shape, shape);
     std::complex<double> factor = 1.0;
     if (std::abs(products.ab) > 0.0) {
       factor = std::sqrt(products.aa / products.bb) * std::conj(products.ab) /

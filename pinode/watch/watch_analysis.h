@@ -9,6 +9,7 @@
 #include "pinode/watch/control_chart.h"
 #include "pinode/watch/mode_histories.h"
 #include "pinode/watch/normal_model.h"
+#include "pinode/watch/sensor_history.h"
 #include "pinode/watch/store.h"
 #include "pinode/watch/structure_file.h"
 
@@ -29,6 +30,9 @@ struct WatchAnalysis {
   int num_repeated = 0;            // records that a longer one replaces
   std::vector<bool> is_reference;  // of each record
   bool reference_is_complete = false;
+  // Sensors that the shapes show to have changed. Their faults are set in the
+  // records from then on.
+  std::vector<SensorChange> sensor_changes;
   int num_histories = 0;  // with those that are not watched
   FeatureSeries series;
   // Mean frequency of each feature in the reference, Hz.

@@ -87,6 +87,63 @@ TEST(WatchAnalysis, NamesTheModesThatMoved) {
   EXPECT_NE(alarm->text.find("deviations"), std::string::npos);
 }
 
+// A record in a cold that was never learned is no evidence. Its notice says so,
+// also if the light was on notice before.
+TEST(WatchAnalysis, OneRecordOutsideOfTheLearnedRangeIsNoAlarm) {
+  std::vector<StoredRecord> records = Records(700, 700, 0.0);
+  for (const bool is_outside : {true, false}) {
+    records[600].covariates = {{"temperature", is_outside ? -20.0 : 10.0}};
+    for (int m = 0; m < 3; ++m) {
+      StoredMode& mode = records[600].modes[static_cast<size_t>(m)];
+      mode.frequency_hz = 3.0 * (1 + m) * (m == 1 ? 0.93 : 1.07);
+    }
+    const WatchAnalysis analysis = AnalyseRecords(Structure(), records);
+    ASSERT_TRUE(analysis.has_chart);
+    const double time = records[600].time;
+    const bool said = std::any_of(
+        analysis.events.begin(), analysis.events.end(),
+        [time](const StoredEvent& event) {
+          return event.time == time && event.kind == "notice" &&
+                 event.text.find("learned range") != std::string::npos;
+        });
+    EXPECT_EQ(said, is_outside);
+    EXPECT_EQ(analysis.lights[600] == WatchLight::kAlarm, !is_outside);
+  }
+}
+
+// A turned sensor changes no frequency, but without its sign the modes would
+// not fit their histories.
+TEST(WatchAnalysis, ATurnedSensorIsNamedAndCostsNoHistory) {
+  std::vector<StoredRecord> records = Records(700, 700, 0.0);
+  for (size_t r = 0; r < records.size(); ++r) {
+    records[r].channels = {{"a", ""}, {"b", ""}, {"c", ""}};
+    for (int m = 0; m < 3; ++m) {
+      ComplexVector& shape = records[r].modes[static_cast<size_t>(m)].shape;
+      shape.resize(3);
+      const double noise =
+          0.01 * std::sin(7.0 * static_cast<double>(r + 5) + m);
+      shape << 1.0, (m == 1 ? -1.0 : 0.8) + noise,
+          (m == 2 ? -0.9 : 1.0) - noise;
+      if (r >= 600) shape[1] *= -1.0;
+    }
+  }
+  const WatchAnalysis analysis = AnalyseRecords(Structure(1.0), records);
+  ASSERT_TRUE(analysis.has_chart);
+  ASSERT_EQ(analysis.sensor_changes.size(), 1u);
+  EXPECT_EQ(analysis.sensor_changes[0].channel, "b");
+  // All modes are watched until the end.
+  EXPECT_FALSE(analysis.series.values.row(690).hasNaN());
+  EXPECT_TRUE(std::any_of(analysis.events.begin(), analysis.events.end(),
+                          [](const StoredEvent& event) {
+                            return event.kind == "notice" &&
+                                   event.text.find("channel 'b' is turned") !=
+                                       std::string::npos;
+                          }));
+  for (const StoredEvent& event : analysis.events) {
+    EXPECT_NE(event.kind, "alarm") << event.text;
+  }
+}
+
 TEST(WatchAnalysis, AnAlarmEnds) {
   std::vector<StoredRecord> records = Records(1100, 700, -0.01);
   const std::vector<StoredRecord> well = Records(1100, 1100, 0.0);

@@ -3,7 +3,7 @@
 
     tests/benchmarks/watch.py [--program P] [--runs 8] [--step_hours 1] [--scatter 0.001]
                               [--noise 0.002] [--loss 0.02] [--group 0] [--years 3]
-                              [--growth_days 0] [--colder 0] [--missing 0.05]
+                              [--growth_days 0] [--colder 0] [--missing 0.05] [--within 7]
 
 The structure is data/watched_bridge.  Its frequencies, not its records, go into
 a store, from which the program computes histories, chart and alarms.  Year 1 is the
@@ -12,8 +12,8 @@ law that the regression lacks, memory 1 day) and the noise of their estimates,
 and --missing of them are absent.
 
 Without --loss every alarm is false.  With it, the loss of --group begins after
---loss_day, and a detection is an alarm within seven days of it that is not one
-from before.  --growth_days: the loss grows over this time, and counts until its
+--loss_day, and a detection is an alarm within --within days of it (7) that is not
+one from before.  --growth_days: the loss grows over this time, and counts until its
 end.  --colder: the last winter is colder by so many degrees.
 """
 
@@ -33,6 +33,7 @@ sys.path.insert(0, str(ROOT / "data" / "watched_bridge"))
 import generate  # noqa: E402
 
 EPOCH = 1704067200  # 2024-01-01
+COLD_DAY = 1022  # first day of the colder winter
 TOML = """name = "b"
 [records]
 time_in_name = "%Y"
@@ -52,7 +53,7 @@ def run(program, flags, seed):
     days = hours / 24 - flags.loss_day
     share = np.clip(days / flags.growth_days, 0, 1) if flags.growth_days else days >= 0
     loss[:, flags.group] = flags.loss * share
-    late = hours / 24 > 2.8 * 365
+    late = hours / 24 >= COLD_DAY
     hz, temperature = generate.frequencies(rng, hours, flags.step_hours, flags.scatter,
                                            flags.noise, loss, flags.colder * late)
     shapes = generate.modes([1.0] * generate.GROUPS)[1]
@@ -102,8 +103,10 @@ def main():
     parser.add_argument("--growth_days", type=float, default=0)
     parser.add_argument("--group", type=int, default=0)
     parser.add_argument("--colder", type=float, default=0)
+    parser.add_argument("--within", type=float)
     flags = parser.parse_args()
-    counts, delays = [], []
+    flags.within = flags.within or flags.growth_days or 7
+    counts, delays, cold, said = [], [], [], []
     for seed in range(flags.first, flags.first + flags.runs):
         result = run(flags.program, flags, seed)
         alarms = [day_of(e) for e in result["events"] if e["kind"] == "alarm"]
@@ -112,14 +115,21 @@ def main():
         counts.append(len(before))
         delays.append(after[0] if flags.loss and after else np.inf)
         chart = result["chart"]
+        if flags.colder:
+            cold.append(sum(d >= COLD_DAY for d in alarms if not flags.loss or d < flags.loss_day))
+            said.append(any(day_of(e) >= COLD_DAY and "learned range" in e["text"]
+                            for e in result["events"]))
         print(f"seed {seed}: {len(before)} false alarms, limits {chart['t2']['limit']:.2f} "
               f"{chart['average']['limit']:.2f}, memory {chart['scatter_memory_days']:.2f} d"
               + (f", found after {delays[-1]:.2f} days" if flags.loss else ""), flush=True)
     counted = (flags.loss_day / 365 if flags.loss else flags.years) - 1
     print(f"{sum(counts) / counted / flags.runs:.2f} false alarms a year "
           f"({sum(counts)} in {counted * flags.runs:.1f} years; most in one run {max(counts)})")
+    if flags.colder:
+        print(f"in the colder winter: {sum(cold)} false alarms in {flags.runs} winters, "
+              f"outside of the learned range is said in {sum(said)}")
     if flags.loss:
-        limit = flags.growth_days or 7
+        limit = flags.within
         found = sum(d <= limit for d in delays)
         print(f"{found} of {flags.runs} found within {limit:g} days, "
               f"median {np.median(delays):.2f} days")
