@@ -5,6 +5,8 @@
 //   pinode_watch --structure=bridge.toml --store=watch.db --once
 //   pinode_watch --structure=bridge.toml --store=watch.db --output_dir=page
 //   pinode_watch --structure=bridge.toml --store=watch.db --backfill=old
+//   pinode_watch --structure=bridge.toml --store=watch.db
+//     --mend=reject:a.csv --by="N. N." --why="crane on the bridge"
 //   pinode_watch --keys
 
 #include <gflags/gflags.h>
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <thread>
@@ -23,6 +26,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/report/html_report.h"
+#include "pinode/watch/mending.h"
 #include "pinode/watch/store.h"
 #include "pinode/watch/structure_file.h"
 #include "pinode/watch/structure_keys.h"
@@ -44,11 +48,18 @@ DEFINE_string(backfill, "",
               "read the records of this folder in place of the folder in the "
               "structure file, and end");
 DEFINE_int32(interval_seconds, 60, "time between two looks at the folder");
-DEFINE_string(output_dir, "",
-              "folder for histories.csv, alarms.csv, watch.json and "
-              "watch.html; must not exist without --overwrite; empty: write "
-              "no files");
+DEFINE_string(
+    output_dir, "",
+    "folder for histories.csv, alarms.csv, watch.json, watch.prom and "
+    "watch.html; must not exist without --overwrite; empty: write "
+    "no files");
 DEFINE_bool(overwrite, false, "replace an existing output folder");
+DEFINE_string(mend, "",
+              "store a decision and end: reject:FILE or accept:FILE for a "
+              "record, name:HZ=NAME for a mode, acknowledge:TIME for an alarm; "
+              "needs --by and --why");
+DEFINE_string(by, "", "person who decides, with --mend");
+DEFINE_string(why, "", "reason of the decision, with --mend");
 DEFINE_bool(keys, false,
             "print every key of a structure file with its type, default and "
             "meaning, as tables in Markdown, and read no file");
@@ -61,6 +72,8 @@ bool CheckFlags(std::string* error) {
     *error = "--structure=FILE is missing; see --help";
   } else if (FLAGS_store.empty()) {
     *error = "--store=FILE is missing; see --help";
+  } else if (FLAGS_mend.empty() && !(FLAGS_by + FLAGS_why).empty()) {
+    *error = "--by and --why need --mend=DECISION; see --help";
   } else if (FLAGS_interval_seconds < 1) {
     *error = "--interval_seconds=" + std::to_string(FLAGS_interval_seconds) +
              ", expected at least 1";
@@ -132,7 +145,7 @@ void Wait(int seconds) {
 // Looks at the folder once, and tells what is new. False with one line if that
 // was not possible.
 bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
-          bool overwrite, Store* store, std::string* covariates,
+          bool overwrite, Store* store, std::string* last_state,
           WatchCounts* counts, int* status, std::string* error) {
   WatchCalls calls;
   calls.stored = PrintRecord;
@@ -147,8 +160,11 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
                        error)) {
     return false;
   }
-  const std::string state = CovariateFilesState(structure);
-  if (!is_due && counts->stored == 0 && state == *covariates) return true;
+  std::vector<StoredMend> mends;
+  if (!store->Mends(id, &mends, error)) return false;
+  const std::string state =
+      CovariateFilesState(structure) + std::to_string(mends.size());
+  if (!is_due && counts->stored == 0 && state == *last_state) return true;
   std::vector<StoredEvent> known;
   WatchAnalysis analysis;
   if (!store->Events(id, &known, error) ||
@@ -168,8 +184,9 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
     *error = "the events cannot be printed; standard output is closed or full";
     return false;
   }
-  if (!store->SetEvents(id, analysis.events, error)) return false;
-  *covariates = state;
+  if (!store->SetEvents(id, analysis.events, HistoryColumns(analysis), error))
+    return false;
+  *last_state = state;
   *status = WriteFolder(structure, analysis, overwrite);
   return true;
 }
@@ -177,15 +194,15 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
 // Looks at the folder once or until an interrupt. Returns the exit status.
 int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
   const bool once = FLAGS_once || !FLAGS_backfill.empty();
-  // State of the covariates' own files at the last analysis.
-  std::string covariates;
+  // State of the covariates' own files and the decisions at the last analysis.
+  std::string last_state;
   bool is_due = true;
   for (bool first = true;; first = false) {
     WatchCounts counts;
     std::string error;
     int status = kExitDone;
     if (Look(structure, id, is_due, once, FLAGS_overwrite || !first, store,
-             &covariates, &counts, &status, &error)) {
+             &last_state, &counts, &status, &error)) {
       if (status != kExitDone) return status;
       is_due = false;
     } else {
@@ -233,6 +250,17 @@ int RunProgram(int argc, char** argv) {
       !store->OpenStructure(structure.name, ReadingSettings(structure), &id,
                             &error)) {
     return Refuse(error);
+  }
+  if (!FLAGS_mend.empty()) {
+    std::string message;
+    const double now = static_cast<double>(std::time(nullptr));
+    if (!Mend(FLAGS_mend, FLAGS_by, FLAGS_why, now, id, store.get(), &message,
+              &error)) {
+      return Refuse(error);
+    }
+    Print("%s by %s. The next analysis takes it into account.\n",
+          message.c_str(), FLAGS_by.c_str());
+    return kExitDone;
   }
   CatchInterrupts();
   return Watch(structure, id, store.get());

@@ -72,6 +72,21 @@ CREATE TABLE IF NOT EXISTS file (
   changed INTEGER NOT NULL,
   content TEXT NOT NULL,
   PRIMARY KEY (structure, path)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS mend (
+  id INTEGER PRIMARY KEY,
+  structure INTEGER NOT NULL REFERENCES structure(id),
+  time REAL NOT NULL,
+  person TEXT NOT NULL,
+  reason TEXT NOT NULL,
+  kind TEXT NOT NULL,
+  subject TEXT NOT NULL,
+  value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS history (
+  structure INTEGER NOT NULL REFERENCES structure(id),
+  number INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  "values" BLOB NOT NULL,
+  PRIMARY KEY (structure, number));
 )sql";
 
 }  // namespace
@@ -368,40 +383,6 @@ bool Store::ReadParts(int64_t structure, std::vector<StoredRecord>* records,
              [](const Statement& row, StoredRecord* into) {
                into->covariates.emplace_back(row.Text(1), row.Number(2));
              });
-}
-
-bool Store::SetEvents(int64_t structure, const std::vector<StoredEvent>& events,
-                      std::string* error) {
-  Transaction transaction(this);
-  if (!transaction.Begin(error)) return false;
-  Statement clear(database_, "DELETE FROM event WHERE structure = ?");
-  if (!clear.Bind(structure).Run()) return Fail(error);
-  Statement insert(database_, "INSERT INTO event VALUES (?, ?, ?, ?, ?)");
-  int64_t number = 0;
-  for (const StoredEvent& event : events) {
-    if (!insert.Bind(structure)
-             .Bind(number++)
-             .Bind(event.time)
-             .Bind(event.kind)
-             .Bind(event.text)
-             .Run()) {
-      return Fail(error);
-    }
-  }
-  return transaction.Commit(error);
-}
-
-bool Store::Events(int64_t structure, std::vector<StoredEvent>* events,
-                   std::string* error) {
-  events->clear();
-  Statement read(database_,
-                 "SELECT time, kind, text FROM event WHERE structure = ? "
-                 "ORDER BY number");
-  read.Bind(structure);
-  while (read.Step()) {
-    events->push_back({read.Number(0), read.Text(1), read.Text(2)});
-  }
-  return read.IsAtEnd() || Fail(error);
 }
 
 }  // namespace pinode

@@ -75,6 +75,25 @@ struct StoredFile {
   std::string content;  // see ContentIdentity()
 };
 
+// Decision of a person. It is stored beside the results of the program and
+// changes none of them in the store.
+struct StoredMend {
+  double time = 0.0;  // when it was made, s since 1970
+  std::string person;
+  std::string reason;
+  // "reject" or "accept" a record, "name" a mode, or "acknowledge" an alarm.
+  std::string kind;
+  // Content of the record, frequency in Hz, or time of the alarm in s.
+  std::string subject;
+  std::string value;  // name of the mode
+};
+
+// Column of the histories, a value for each record.
+struct StoredColumn {
+  std::string name;
+  Vector values;
+};
+
 // Returns a text that distinguishes contents: their size and a hash.
 std::string ContentIdentity(const std::string& content);
 
@@ -119,9 +138,16 @@ class Store {
                                    const std::vector<StoredFile>& files,
                                    std::string* error);
 
-  // Replaces the events of the structure.
+  // Adds a decision, and reads all in their order. A later one counts more.
+  [[nodiscard]] bool AddMend(int64_t structure, const StoredMend& mend,
+                             std::string* error);
+  [[nodiscard]] bool Mends(int64_t structure, std::vector<StoredMend>* mends,
+                           std::string* error);
+
+  // Replaces the events of the structure, and the columns of its histories.
   [[nodiscard]] bool SetEvents(int64_t structure,
                                const std::vector<StoredEvent>& events,
+                               const std::vector<StoredColumn>& histories,
                                std::string* error);
   [[nodiscard]] bool Events(int64_t structure, std::vector<StoredEvent>* events,
                             std::string* error);

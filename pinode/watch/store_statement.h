@@ -47,6 +47,16 @@ class Store::Statement {
     return *this;
   }
 
+  Statement& Bind(const Vector& values) {
+    // An empty vector has no data, which would become NULL.
+    static const double nothing = 0.0;
+    Keep(sqlite3_bind_blob64(
+        statement_, ++place_, values.size() > 0 ? values.data() : &nothing,
+        static_cast<sqlite3_uint64>(values.size()) * sizeof(double),
+        SQLITE_TRANSIENT));
+    return *this;
+  }
+
   // Runs a statement without results, and makes it ready for the next values.
   bool Run() {
     if (code_ == SQLITE_OK) code_ = sqlite3_step(statement_);

@@ -265,8 +265,8 @@ TEST_F(StoreTest, ReplacesEvents) {
   auto store = Open();
   const int64_t id = Structure(store.get());
   ASSERT_TRUE(store->SetEvents(id, {{1.0, "alarm", "x"}, {2.0, "notice", "y"}},
-                               &error_));
-  ASSERT_TRUE(store->SetEvents(id, {{3.0, "alarm", "z"}}, &error_));
+                               {}, &error_));
+  ASSERT_TRUE(store->SetEvents(id, {{3.0, "alarm", "z"}}, {}, &error_));
   std::vector<StoredEvent> events;
   ASSERT_TRUE(store->Events(id, &events, &error_));
   ASSERT_EQ(events.size(), 1u);

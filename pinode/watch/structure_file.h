@@ -4,6 +4,7 @@
 #define PINODE_WATCH_STRUCTURE_FILE_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/constants.h"
@@ -81,6 +82,9 @@ struct WatchedStructure {
   ReferencePeriod reference;
   TrackingOptions tracking;
   ChartOptions chart;
+  // Names that people gave to modes, by their frequencies in Hz. They are in
+  // the store, not in the file.
+  std::vector<std::pair<double, std::string>> mode_names;
 };
 
 // Reads a structure file. On failure *error is one line and *structure is

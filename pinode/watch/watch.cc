@@ -12,6 +12,7 @@
 
 #include "pinode/base/file.h"
 #include "pinode/watch/examine_record.h"
+#include "pinode/watch/mending.h"
 
 namespace pinode {
 namespace {
@@ -201,11 +202,18 @@ std::string CovariateFilesState(const WatchedStructure& structure) {
 bool AnalyseStore(const WatchedStructure& structure, int64_t id, Store* store,
                   WatchAnalysis* analysis, std::string* error) {
   std::vector<StoredRecord> records;
+  std::vector<StoredMend> mends;
   if (!store->Records(id, &records, error) ||
+      !store->Mends(id, &mends, error) ||
       !FillCovariates(structure, &records, error)) {
     return false;
   }
-  *analysis = AnalyseRecords(structure, std::move(records));
+  const int rejected = LeaveOutRejected(mends, &records);
+  WatchedStructure named = structure;
+  named.mode_names = NamesOfModes(mends);
+  *analysis = AnalyseRecords(named, std::move(records));
+  analysis->num_rejected = rejected;
+  analysis->mends = std::move(mends);
   return true;
 }
 

@@ -132,8 +132,8 @@ class AlarmKeeper {
       if (!is_new) continue;
       std::string fault = change.fault;
       if (fault.back() == '.') fault.pop_back();
-      Notice("a sensor has changed: channel '" +
-             change.channel + "' " + fault + "; it is left out");
+      Notice("a sensor has changed: channel '" + change.channel + "' " + fault +
+             "; it is left out");
     }
   }
 

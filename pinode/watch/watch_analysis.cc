@@ -50,6 +50,20 @@ void MarkReference(const ReferencePeriod& reference, WatchAnalysis* analysis) {
           : count > 0 && analysis->records.back().time >= reference.to;
 }
 
+// Returns the name that a person gave to the mode, or nothing.
+std::string NameOfMode(const WatchedStructure& structure, double hz) {
+  // The frequency may be that of a single record.
+  double least = std::log1p(structure.tracking.largest_step);
+  std::string name;
+  for (const auto& [named_hz, text] : structure.mode_names) {
+    const double step = std::abs(std::log(named_hz / hz));
+    if (step > least) continue;
+    least = step;
+    name = text;
+  }
+  return name;
+}
+
 // Turns the histories that are present often enough into features.
 void MakeSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
   const std::vector<StoredRecord>& records = analysis->records;
@@ -102,8 +116,10 @@ void MakeSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
   for (Eigen::Index f = 0; f < num_features; ++f) {
     const auto& [hz, h] = watched[static_cast<size_t>(f)];
     analysis->reference_hz[f] = hz;
+    std::string name = NameOfMode(structure, hz);
+    if (!name.empty()) name = ", " + name;
     series.names.push_back("mode " + std::to_string(f + 1) + " (" +
-                           FormatNumber(hz, 4) + " Hz)");
+                           FormatNumber(hz, 4) + " Hz" + name + ")");
     for (const ModeHistory::Point& point : histories[h].points) {
       const StoredMode& mode = records[static_cast<size_t>(point.record)]
                                    .modes[static_cast<size_t>(point.mode)];

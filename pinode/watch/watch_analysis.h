@@ -27,6 +27,7 @@ struct WatchAnalysis {
   int num_refused = 0;  // records without modes, by a refusal
   // Refused records whose time is known, by time.
   std::vector<StoredRecord> refused;
+  int num_rejected = 0;            // records that a person has rejected
   int num_repeated = 0;            // records that a longer one replaces
   std::vector<bool> is_reference;  // of each record
   bool reference_is_complete = false;
@@ -51,6 +52,8 @@ struct WatchAnalysis {
   std::vector<WatchLight> lights;
   WatchLight light = WatchLight::kLearning;
   std::vector<StoredEvent> events;
+  // Decisions of people, which the analysis has allowed for.
+  std::vector<StoredMend> mends;
 };
 
 // Analyses the records, in any order. The result does not depend on the order.

@@ -144,6 +144,28 @@ TEST(WatchAnalysis, ATurnedSensorIsNamedAndCostsNoHistory) {
   }
 }
 
+TEST(WatchAnalysis, MetricsAreLinesOfPrometheus) {
+  WatchedStructure structure = Structure();
+  structure.name = "a \"bridge\" \\ one";
+  std::string text =
+      WatchMetrics(structure, AnalyseRecords(structure, Records(20, 20, 0.0)));
+  const std::string labels = "{structure=\"a \\\"bridge\\\" \\\\ one\"} ";
+  EXPECT_NE(text.find("\npinode_watch_light" + labels + "0\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("pinode_watch_t2"), std::string::npos);
+  const WatchAnalysis analysis =
+      AnalyseRecords(structure, Records(900, 700, -0.005));
+  text = WatchMetrics(structure, analysis);
+  EXPECT_NE(text.find("\npinode_watch_light" + labels + "3\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("pinode_watch_records" + labels + "900\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("pinode_watch_average_limit" + labels),
+            std::string::npos);
+}
+
 TEST(WatchAnalysis, AnAlarmEnds) {
   std::vector<StoredRecord> records = Records(1100, 700, -0.01);
   const std::vector<StoredRecord> well = Records(1100, 1100, 0.0);

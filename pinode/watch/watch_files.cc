@@ -8,6 +8,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
 #include "pinode/case/text/csv_file.h"
+#include "pinode/watch/mending.h"
 #include "pinode/watch/watch.h"
 
 namespace pinode {
@@ -22,46 +23,25 @@ std::string Line(const std::vector<std::string>& cells) {
   return Join(cells, ",") + "\n";
 }
 
+std::string LightOf(const WatchAnalysis& analysis, size_t record) {
+  return analysis.lights.empty() ? "learning"
+                                 : WatchLightName(analysis.lights[record]);
+}
+
 std::string HistoriesAsCsv(const WatchAnalysis& analysis) {
-  const FeatureSeries& series = analysis.series;
+  const std::vector<StoredColumn> columns = HistoryColumns(analysis);
   std::vector<std::string> header = {"time", "record", "light"};
-  for (Eigen::Index f = 0; f < series.num_features(); ++f) {
-    const std::string mode = "mode_" + std::to_string(f + 1);
-    header.push_back(mode + "_hz");
-    header.push_back(mode + "_sigma_hz");
-    if (!analysis.has_chart) continue;
-    header.push_back(mode + "_expected_hz");
-    header.push_back(mode + "_expected_lower95_hz");
-    header.push_back(mode + "_expected_upper95_hz");
+  // The first two are the time and the light.
+  for (size_t c = 2; c < columns.size(); ++c) {
+    header.push_back(CsvCell(columns[c].name));
   }
-  for (const std::string& name : series.covariate_names) {
-    header.push_back(CsvCell(name));
-  }
-  if (analysis.has_chart) header.insert(header.end(), {"t2", "average"});
   std::string text = Line(header);
-  for (Eigen::Index r = 0; r < series.num_records(); ++r) {
-    const size_t at = static_cast<size_t>(r);
-    std::vector<std::string> row = {
-        DateText(series.times[r]), CsvCell(analysis.records[at].name),
-        analysis.lights.empty() ? "learning"
-                                : WatchLightName(analysis.lights[at])};
-    for (Eigen::Index f = 0; f < series.num_features(); ++f) {
-      const double hz = std::exp(series.values(r, f));
-      row.push_back(CsvCell(hz));
-      row.push_back(CsvCell(hz * series.sigmas(r, f)));
-      if (!analysis.has_chart) continue;
-      const double expected = analysis.expected(r, f);
-      const double half = kTwoSigma * analysis.expected_deviations(r, f);
-      row.push_back(CsvCell(std::exp(expected)));
-      row.push_back(CsvCell(std::exp(expected - half)));
-      row.push_back(CsvCell(std::exp(expected + half)));
-    }
-    for (Eigen::Index c = 0; c < series.covariates.cols(); ++c) {
-      row.push_back(CsvCell(series.covariates(r, c)));
-    }
-    if (analysis.has_chart) {
-      row.push_back(CsvCell(analysis.chart[at].t2));
-      row.push_back(CsvCell(analysis.chart[at].average));
+  for (size_t r = 0; r < analysis.records.size(); ++r) {
+    std::vector<std::string> row = {DateText(analysis.records[r].time),
+                                    CsvCell(analysis.records[r].name),
+                                    LightOf(analysis, r)};
+    for (size_t c = 2; c < columns.size(); ++c) {
+      row.push_back(CsvCell(columns[c].values[static_cast<Eigen::Index>(r)]));
     }
     text += Line(row);
   }
@@ -69,9 +49,10 @@ std::string HistoriesAsCsv(const WatchAnalysis& analysis) {
 }
 
 std::string EventsAsCsv(const WatchAnalysis& analysis) {
-  std::string text = "time,kind,text\n";
+  std::string text = "time,kind,text,acknowledged\n";
   for (const StoredEvent& event : analysis.events) {
-    text += Line({DateText(event.time), event.kind, CsvCell(event.text)});
+    text += Line({DateText(event.time), event.kind, CsvCell(event.text),
+                  CsvCell(Acknowledgement(analysis.mends, event))});
   }
   return text;
 }
@@ -88,6 +69,7 @@ Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
   json["reason"] = analysis.reason;
   json["records"] = analysis.records.size();
   json["refused_records"] = analysis.num_refused;
+  json["rejected_records"] = analysis.num_rejected;
   json["repeated_records"] = analysis.num_repeated;
   json["reference_records"] = std::count(analysis.is_reference.begin(),
                                          analysis.is_reference.end(), true);
@@ -121,9 +103,11 @@ Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
   }
   Json events = Json::array();
   for (const StoredEvent& event : analysis.events) {
-    events.push_back({{"time", DateText(event.time)},
-                      {"kind", event.kind},
-                      {"text", event.text}});
+    events.push_back(
+        {{"time", DateText(event.time)},
+         {"kind", event.kind},
+         {"text", event.text},
+         {"acknowledged", Acknowledgement(analysis.mends, event)}});
   }
   json["events"] = std::move(events);
   return json;
@@ -136,6 +120,45 @@ std::string LimitText(double limit, double lower, double upper) {
 
 }  // namespace
 
+std::vector<StoredColumn> HistoryColumns(const WatchAnalysis& analysis) {
+  const FeatureSeries& series = analysis.series;
+  const Eigen::Index count = series.num_records();
+  Vector lights(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    lights[r] =
+        analysis.lights.empty()
+            ? 0.0
+            : static_cast<double>(analysis.lights[static_cast<size_t>(r)]);
+  }
+  std::vector<StoredColumn> columns = {{"time", series.times},
+                                       {"light", lights}};
+  for (Eigen::Index f = 0; f < series.num_features(); ++f) {
+    const std::string mode = "mode_" + std::to_string(f + 1);
+    const auto hz = series.values.col(f).array().exp();
+    columns.push_back({mode + "_hz", hz});
+    columns.push_back({mode + "_sigma_hz", hz * series.sigmas.col(f).array()});
+    if (!analysis.has_chart) continue;
+    const auto expected = analysis.expected.col(f).array();
+    const auto half = kTwoSigma * analysis.expected_deviations.col(f).array();
+    columns.push_back({mode + "_expected_hz", expected.exp()});
+    columns.push_back({mode + "_expected_lower95_hz", (expected - half).exp()});
+    columns.push_back({mode + "_expected_upper95_hz", (expected + half).exp()});
+  }
+  for (Eigen::Index c = 0; c < series.covariates.cols(); ++c) {
+    columns.push_back({series.covariate_names[static_cast<size_t>(c)],
+                       series.covariates.col(c)});
+  }
+  if (!analysis.has_chart) return columns;
+  Vector t2(count), average(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    t2[r] = analysis.chart[static_cast<size_t>(r)].t2;
+    average[r] = analysis.chart[static_cast<size_t>(r)].average;
+  }
+  columns.push_back({"t2", t2});
+  columns.push_back({"average", average});
+  return columns;
+}
+
 std::string WatchSummary(const WatchedStructure& structure,
                          const WatchAnalysis& analysis) {
   const auto count = std::count(analysis.is_reference.begin(),
@@ -145,6 +168,9 @@ std::string WatchSummary(const WatchedStructure& structure,
                      " records, " + std::to_string(count) + " in the reference";
   if (analysis.num_refused > 0) {
     text += ", " + std::to_string(analysis.num_refused) + " refused";
+  }
+  if (analysis.num_rejected > 0) {
+    text += ", " + std::to_string(analysis.num_rejected) + " rejected by hand";
   }
   text += ".";
   if (!analysis.records.empty()) {
@@ -195,6 +221,8 @@ bool WriteWatchFiles(const WatchedStructure& structure,
          WriteFileAtomically(folder + "/watch.json",
                              AsJson(structure, analysis).dump(2) + "\n",
                              error) &&
+         WriteFileAtomically(folder + "/watch.prom",
+                             WatchMetrics(structure, analysis), error) &&
          WriteFileAtomically(folder + "/watch.html",
                              RenderWatchPage(structure, analysis, options),
                              error);

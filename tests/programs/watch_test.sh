@@ -63,7 +63,7 @@ grep -q '60 records, 40 in the reference' stdout || Fail "expected 60 records"
 grep -qE "^2024-01-03 .* alarm: .*channel 'a5' is left out: it is dead.*mode" stdout ||
   Fail "expected an alarm that names the sensor first"
 ! grep -q '^2024-01-0[12] .* alarm' stdout || Fail "an alarm before the loss"
-for file in histories.csv alarms.csv watch.json watch.html; do
+for file in histories.csv alarms.csv watch.json watch.prom watch.html; do
   [[ -s D/$file ]] || Fail "no $file"
 done
 [[ $(wc -l <D/histories.csv) -eq 61 ]] || Fail "expected 60 rows"

@@ -59,7 +59,7 @@ from .structure_view import StructureView
 if TYPE_CHECKING:
     from types import ModuleType
 
-    from . import calculix, elements, figures, frames, opensees
+    from . import calculix, elements, figures, frames, opensees, watch
 
 Error.__module__ = "pinode"
 KeywordError.__module__ = "pinode"
@@ -68,7 +68,7 @@ _checked.install(_pinode)
 
 # Bridges, frames, figures and a compiler's caller, which are read when they are
 # asked for.
-MODULES = ("calculix", "elements", "figures", "frames", "opensees")
+MODULES = ("calculix", "elements", "figures", "frames", "opensees", "watch")
 
 
 def __getattr__(name: str) -> ModuleType:
