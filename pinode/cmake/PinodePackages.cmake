@@ -115,7 +115,7 @@ endif()
 # The libraries whose headers ours include, or whose names our targets carry.
 file(STRINGS ${PROJECT_SOURCE_DIR}/apps/packages.txt development
   REGEX "^[a-z].*-dev$")
-# The page of pinode_app is a program's alone.
+# The page of pinode_app and the store of pinode_watch are of programs alone.
 list(REMOVE_ITEM development libcpp-httplib-dev libsqlite3-dev)
 if(PINODE_MPI)
   list(APPEND development libopenmpi-dev)
@@ -148,9 +148,11 @@ This package has the programs, which read case files.")
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/case/README.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME case_files.md
     COMPONENT programs)
-  install(FILES ${PROJECT_SOURCE_DIR}/pinode/watch/README.md
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME watching.md
-    COMPONENT programs)
+  if(PINODE_WATCH)
+    install(FILES ${PROJECT_SOURCE_DIR}/pinode/watch/README.md
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pinode RENAME watching.md
+      COMPONENT programs)
+  endif()
   install(FILES ${PROJECT_SOURCE_DIR}/pinode/matlab.md
       ${PROJECT_SOURCE_DIR}/pinode/case/recipes.md
       ${PROJECT_SOURCE_DIR}/pinode/case/security.md

@@ -49,6 +49,12 @@ awk 'BEGIN {
       3 * cos(9 * t), 15 + t, a1, a2
   }
 }' >record.csv
+mkdir records
+for day in 01 02 03; do cp record.csv "records/r_202401$day.csv"; done
+# Records are known by their content: each lacks another one of the last lines.
+sed -i '1000d' records/r_20240102.csv
+sed -i '1001d' records/r_20240103.csv
+printf 'day,wind\n2024-01-01,3\n2024-01-02,4\n2024-01-04,5\n' >wind.csv
 printf 'u1,u2,u3\n0.4,0.8,1\n' >shapes.csv
 # The accelerance of an oscillator of 2.6 Hz at 80 lines.
 awk 'BEGIN {
@@ -77,6 +83,11 @@ run() {
   local program=$1 what=$2 status=0 finding= lines
   local flags=(--case=case.toml)
   [[ $program == pinode_check ]] || flags+=(--output_dir=out)
+  if [[ $program == pinode_watch ]]; then
+    [[ -x $build/apps/$program ]] || return 0
+    flags=(--structure=case.toml --store=out/watch.db --once --output_dir=out/D)
+    mkdir -p out
+  fi
   # bash itself would say on its standard error how a program ended.
   { (ulimit -v "$memory" && exec timeout -k "$grace" "$patience" \
     "$build/apps/$program" "${flags[@]}" >stdout 2>stderr </dev/null); } \
