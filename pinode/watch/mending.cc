@@ -31,11 +31,13 @@ class Mender {
     }
     if (mend->kind == "reject" || mend->kind == "accept") {
       *message = "record " + rest + ": " + mend->kind + "ed";
+      mend->value = rest;
       return FindRecord(rest, &mend->subject, error);
     }
     if (mend->kind == "name") return ParseName(rest, mend, message, error);
     if (mend->kind == "acknowledge") {
       *message = "alarm of " + rest + ": acknowledged";
+      mend->value = rest;
       return FindAlarm(rest, &mend->subject, error);
     }
     *error = "--mend=" + text + ": " + kForms;
@@ -147,6 +149,12 @@ std::vector<std::pair<double, std::string>> NamesOfModes(
     names.emplace_back(hz, mend.value);
   }
   return names;
+}
+
+std::string DecisionText(const StoredMend& mend) {
+  return mend.kind + " " +
+         (mend.kind == "name" ? mend.subject + " Hz: " : std::string()) +
+         mend.value;
 }
 
 std::string Acknowledgement(const std::vector<StoredMend>& mends,

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/watch/store.h"
@@ -35,6 +36,9 @@ int LeaveOutRejected(const std::vector<StoredMend>& mends,
 // frequency counts.
 std::vector<std::pair<double, std::string>> NamesOfModes(
     const std::vector<StoredMend>& mends);
+
+// Returns a decision as a person would write it, such as "reject a.csv".
+std::string DecisionText(const StoredMend& mend);
 
 // Returns who acknowledged an alarm, when and why; empty: nobody has.
 std::string Acknowledgement(const std::vector<StoredMend>& mends,

@@ -76,13 +76,16 @@ TEST_F(MendingTest, ARejectedRecordIsLeftOutAndComesBack) {
   EXPECT_EQ(analysis.mends[0].reason, "crane");
   EXPECT_EQ(analysis.mends[0].time, 1e6);
   EXPECT_EQ(analysis.mends[0].subject, "c7");
+  EXPECT_EQ(DecisionText(analysis.mends[0]), "reject r7.csv");
 }
 
 TEST_F(MendingTest, ANameIsInTheNameOfTheMode) {
   ASSERT_TRUE(Try("name:2.01=bending")) << error_;
   ASSERT_TRUE(Try("name:7=far away")) << error_;
-  EXPECT_EQ(Analyse().series.names,
+  const WatchAnalysis analysis = Analyse();
+  EXPECT_EQ(analysis.series.names,
             std::vector<std::string>{"mode 1 (2.002 Hz, bending)"});
+  EXPECT_EQ(DecisionText(analysis.mends[0]), "name 2.01 Hz: bending");
 }
 
 TEST_F(MendingTest, AnAlarmIsAcknowledgedOnce) {

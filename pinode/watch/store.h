@@ -85,7 +85,8 @@ struct StoredMend {
   std::string kind;
   // Content of the record, frequency in Hz, or time of the alarm in s.
   std::string subject;
-  std::string value;  // name of the mode
+  // Name of the file or of the mode, or the alarm's time as a date.
+  std::string value;
 };
 
 // Column of the histories, a value for each record.

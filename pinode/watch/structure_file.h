@@ -61,7 +61,7 @@ struct TrackingOptions {
 struct ChartOptions {
   double false_alarms_per_year = 1.0;
   // Memory of the moving average, in days. With 3, a loss of 2 % was found in a
-  // median of 2.1 days and 0.94 false alarms a year were counted
+  // median of 1.6 days and 0.85 false alarms a year were counted
   // (tests/benchmarks/README.md). Others were not measured.
   double memory_days = 3.0;
   // Time without a new exceedance after which an alarm ends, in days.

@@ -7,6 +7,7 @@
 #include "pinode/report/gnuplot.h"
 #include "pinode/report/page_data.h"
 #include "pinode/report/report_figures.h"
+#include "pinode/watch/mending.h"
 #include "pinode/watch/watch.h"
 #include "pinode/watch/watch_files.h"
 
@@ -33,6 +34,10 @@ constexpr char kWatchTemplate[] = R"html(<!DOCTYPE html>
 <h2>Alarms and notices</h2>
 <div class="wide">{{>table}}</div>
 {{/events}}
+{{#decisions}}
+<h2>Decisions</h2>
+<div class="wide">{{>table}}</div>
+{{/decisions}}
 {{#chart}}
 <h2>Chart</h2>
 {{>figure}}
@@ -165,12 +170,29 @@ Figure ChartFigure(const WatchAnalysis& analysis) {
 TextTable EventsTable(const WatchAnalysis& analysis) {
   TextTable table({{"time, UTC", Align::kLeft},
                    {"what", Align::kLeft},
-                   {"reason", Align::kLeft}});
+                   {"reason", Align::kLeft},
+                   {"acknowledged by", Align::kLeft}});
   // The latest first.
   const size_t count = std::min(kMostEvents, analysis.events.size());
   for (size_t i = 0; i < count; ++i) {
     const StoredEvent& event = analysis.events[analysis.events.size() - 1 - i];
-    table.AddRow({DateText(event.time), event.kind, event.text});
+    table.AddRow({DateText(event.time), event.kind, event.text,
+                  Acknowledgement(analysis.mends, event)});
+  }
+  return table;
+}
+
+TextTable DecisionsTable(const WatchAnalysis& analysis) {
+  TextTable table({{"time, UTC", Align::kLeft},
+                   {"by", Align::kLeft},
+                   {"decision", Align::kLeft},
+                   {"reason", Align::kLeft}});
+  // The latest first.
+  const size_t count = std::min(kMostEvents, analysis.mends.size());
+  for (size_t i = 0; i < count; ++i) {
+    const StoredMend& mend = analysis.mends[analysis.mends.size() - 1 - i];
+    table.AddRow(
+        {DateText(mend.time), mend.person, DecisionText(mend), mend.reason});
   }
   return table;
 }
@@ -238,6 +260,8 @@ std::string RenderWatchPage(const WatchedStructure& structure,
   page.set("lines", lines);
   SetIf("events", !analysis.events.empty(), TableData(EventsTable(analysis)),
         &page);
+  SetIf("decisions", !analysis.mends.empty(),
+        TableData(DecisionsTable(analysis)), &page);
   SetIf("chart", num_charts > 0,
         num_charts > 0 ? PictureData(figures.pictures[0]) : PageData(), &page);
   PageData histories = PageList();

@@ -82,6 +82,19 @@ Run 2 pinode_watch --structure=watched_bridge.toml --store=w.db --once \
   --output_dir=D
 grep -q exists stderr || Fail "the folder was replaced"
 
+# A sensor that is turned is named by the shapes of five more records. The store
+# knows the others.
+mkdir turned
+for hour in 5 6 7 8 9; do
+  awk -F, -v OFS=, 'NR > 1 { $3 = -$3 } 1' "records/girder_20240103_0${hour}00.csv" \
+    >"turned/girder_20240103_1${hour}00.csv"
+done
+cp w.db turned.db
+Run 0 pinode_watch --structure=watched_bridge.toml --store=turned.db \
+  --backfill=turned
+grep -q "notice: a sensor has changed: channel 'a2' is turned" stdout ||
+  Fail "a turned sensor is not named"
+
 # The later half first, from another folder: the same histories and alarms.
 mkdir late
 mv records/girder_202401{02,03}*.csv late

@@ -98,6 +98,9 @@ def test_decisions_stay_beside_the_results(folder):
     assert store.decisions()["kind"].tolist() == ["reject", "acknowledge", "name"]
     alarms = store.alarms()
     assert alarms["acknowledged_by"][alarms["kind"] == "alarm"][0] == "N. N."
+    assert store.decisions()["value"].tolist() == ["r3.csv", text, "first"]
+    page = (folder / "D" / "watch.html").read_text()
+    assert "reject r3.csv" in page and "acknowledge " + text in page
     table = rows(folder / "D" / "alarms.csv")
     assert any(r["acknowledged"].endswith("crane") and "first)" in r["text"] for r in table)
 
