@@ -261,6 +261,35 @@ TEST_F(StoreTest, ReadsWhileAnotherProcessWrites) {
   sqlite3_close(writer);
 }
 
+// A store of an earlier program lacks the tables that came later.
+TEST_F(StoreTest, AnEarlierStoreGetsTheLaterTables) {
+  Structure(Open().get());
+  Execute("DROP TABLE file; DROP TABLE mend; DROP TABLE history");
+  auto store = Open();
+  const int64_t id = Structure(store.get());
+  StoredMend mend;
+  mend.time = 5.0;
+  mend.person = "N. N.";
+  mend.kind = "name";
+  ASSERT_TRUE(store->AddMend(id, mend, &error_)) << error_;
+  ASSERT_TRUE(store->RememberFiles(id, {{"/a.csv", 1, 2, 3, "c"}}, &error_));
+  ASSERT_TRUE(
+      store->SetEvents(id, {}, {{"time", Vector::Ones(3)}, {"x", {}}}, &error_))
+      << error_;
+  std::vector<StoredFile> files;
+  ASSERT_TRUE(store->Files(id, &files, &error_));
+  EXPECT_TRUE(files.empty());  // without its record
+  bool added = false;
+  ASSERT_TRUE(store->Add(id, MakeRecord("c", 1.0), &added, &error_));
+  ASSERT_TRUE(store->Files(id, &files, &error_));
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0].changed, 3);
+  std::vector<StoredMend> mends;
+  ASSERT_TRUE(store->Mends(id, &mends, &error_));
+  ASSERT_EQ(mends.size(), 1u);
+  EXPECT_EQ(mends[0].person, "N. N.");
+}
+
 TEST_F(StoreTest, ReplacesEvents) {
   auto store = Open();
   const int64_t id = Structure(store.get());
