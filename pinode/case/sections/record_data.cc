@@ -10,12 +10,14 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
+#include "pinode/base/strings.h"
 #include "pinode/case/sections/record_files.h"
 #include "pinode/case/sections/unknown_force_section.h"
 #include "pinode/record/prepare.h"
 #include "pinode/record/resample.h"
 #include "pinode/record/sample_faults.h"
 #include "pinode/record/sampled_calculus.h"
+#include "pinode/record/short_gaps.h"
 
 namespace pinode {
 namespace {
@@ -23,6 +25,9 @@ namespace {
 // Largest ratio of resampling. A larger one is probably a typing error, and
 // would take days.
 constexpr double kMostResampled = 100.0;  // times the record's own rate
+// Error that interpolated samples may add to a load: less than a good sensor's
+// noise, so that intervals need not know of it. A choice.
+constexpr double kMostInterpolated = 0.01;
 
 // True if all values that are present are equal.
 bool IsConstant(const Vector& values) {
@@ -179,11 +184,44 @@ class RecordDataReader {
                          "'resample_hz' is more than 100 times the rate of the "
                          "record, expected less");
     }
+    if (!FillGapsOfLoads()) return false;
     merged_ = ResampleRecord(merged_, section_.resampling_step);
     if (merged_.num_samples() < 2) {
       return table_.Fail("resample_hz",
                          "'resample_hz' leaves fewer than two "
                          "samples, expected a higher rate");
+    }
+    return true;
+  }
+
+  // Who asks for new samples has them interpolated. Missing ones of a load,
+  // such as a logger drops now and then, are treated alike, as long as this
+  // adds little to the load.
+  bool FillGapsOfLoads() {
+    for (const InputSection& input : section_.inputs) {
+      if (input.spec.kind == InputSpec::Kind::kCovariate) continue;
+      const auto channel = std::find_if(
+          merged_.channels.begin(), merged_.channels.end(),
+          [&](const Channel& c) { return c.name == input.signal.label; });
+      if (channel == merged_.channels.end()) continue;
+      const ShortGaps filled = FillShortGaps(&channel->values);
+      if (filled.num_samples == 0) continue;
+      const std::string number = std::to_string(filled.num_samples);
+      if (!(filled.error <= kMostInterpolated)) {
+        return table_.Fail(
+            "resample_hz",
+            "the excitation '" + input.signal.label + "' misses " + number +
+                " single samples, and its interpolation would add an error "
+                "of " +
+                FormatNumber(100.0 * filled.error, 2) +
+                " % to it, expected at most 1 %; use a window without gaps");
+      }
+      record_->description.remarks.push_back(
+          input.signal.label + ": " + number + " missing samples, at most " +
+          std::to_string(filled.longest) +
+          " in a row, are interpolated; on complete stretches of the signal "
+          "the interpolation errs by as much as would add " +
+          FormatNumber(100.0 * filled.error, 2) + " % to the signal.");
     }
     return true;
   }

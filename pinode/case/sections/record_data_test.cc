@@ -1,6 +1,7 @@
 #include "pinode/case/sections/record_data.h"
 
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -95,6 +96,37 @@ TEST(RecordDataTest, At2OfAnotherRate) {
   }
   EXPECT_THAT(c.problem.records[0].description.remarks,
               Contains(HasSubstr("resampled from a step of 0.0025")));
+}
+
+// A load whose logger has dropped samples: as it is without new samples, and
+// interpolated with them.
+TEST(RecordDataTest, DroppedSamplesOfALoad) {
+  TemporaryFolder folder;
+  std::istringstream lines(SmallRecord());
+  std::string dropped, line;
+  for (int i = 0; std::getline(lines, line); ++i) {
+    const size_t first = line.find(',');
+    const size_t second = line.find(',', first + 1);
+    if (i > 4 && i < 190 && i % 20 == 0)
+      line.erase(first + 1, second - first - 1);
+    dropped += line + "\n";
+  }
+  folder.Write("quake.csv", dropped);
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(folder.Write("case.toml", SmallCase()), &c, &error));
+  EXPECT_THAT(error, HasSubstr("the excitation 'ground x' misses 1 sample"));
+  const std::string resampled = Replaced(SmallCase(), "start = \"rest\"",
+                                         "start = \"rest\"\nresample_hz = 100");
+  c = ReadOrFail(folder.Write("case.toml", resampled));
+  EXPECT_THAT(c.problem.records[0].description.remarks,
+              Contains(HasSubstr("ground x: 9 missing samples, at most 1 in a "
+                                 "row, are interpolated")));
+  folder.Write("quake.csv", SmallRecord());
+  const Case whole = ReadOrFail(folder.Write("case.toml", resampled));
+  const Matrix expected = whole.problem.records[0].excitation->samples();
+  EXPECT_LT((c.problem.records[0].excitation->samples() - expected).norm(),
+            0.01 * expected.norm());
 }
 
 TEST(RecordDataTest, ExcitationThatEndsBeforeTheRecord) {
