@@ -20,10 +20,6 @@ using Json = nlohmann::ordered_json;
 // Digits of numbers in pictures: a pixel is a thousandth of one.
 constexpr int kViewDigits = 5;
 
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json RoundedOrNull(double value) {
   double rounded = value;
   if (std::isfinite(value)) {
@@ -93,6 +89,10 @@ Polyline SpectrumLine(const LogFile& log, const LogColumn& column, int width) {
 }
 
 }  // namespace
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Json LogOverview(const LogFile& log) {
   Json columns = Json::array();

@@ -9,6 +9,9 @@
 
 namespace pinode {
 
+// The number, or null where it is not finite.
+nlohmann::ordered_json NumberOrNull(double value);
+
 // {"samples", "step", "rate_hz", "seconds", "time", "reading",
 //  "columns": [{"name", "unit", "quantity", "min", "max", "rms", "missing"}]}
 // Numbers that are unknown are null. "rms" is about the mean. "quantity" is

@@ -17,11 +17,11 @@
 // Parts that are not there are null.
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "pinode/app/record_view.h"
 #include "pinode/app/session.h"
 #include "pinode/base/file.h"
 #include "pinode/base/strings.h"
@@ -50,10 +50,6 @@ Json QuestionJson(const DraftQuestion& question) {
   return {{"flag", question.flag},
           {"text", question.text},
           {"example", question.example}};
-}
-
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 // Returns the parts of result.json that the page shows.

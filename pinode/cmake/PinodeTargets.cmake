@@ -58,6 +58,17 @@ function(pinode_precompile target)
   endif()
 endfunction()
 
+# Compiles what only programs link as the library's sources are. A shared
+# library does not show the parts of Eigen that the precompiled headers declare.
+function(pinode_program_build target)
+  if(PINODE_UNITY_LIBRARY)
+    pinode_unity_build(${target})
+  endif()
+  if(PINODE_PRECOMPILE AND NOT PINODE_HWCAPS)
+    pinode_precompile(${target})
+  endif()
+endfunction()
+
 function(pinode_add_unit_test name folder label libraries)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE

@@ -12,7 +12,6 @@
 namespace pinode {
 namespace {
 
-constexpr double kDay = 86400.0;
 constexpr double kYear = 365.25 * kDay;
 
 // Records that are simulated for the limits, unless fewer suffice or more are

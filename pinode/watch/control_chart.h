@@ -11,6 +11,9 @@
 
 namespace pinode {
 
+// Seconds of a day.
+inline constexpr double kDay = 86400.0;
+
 // Statistics of a record, as standard normal scores; NaN: no chart. A lasting
 // change raises the second one the longer it lasts.
 struct ChartValues {

@@ -9,7 +9,6 @@ namespace pinode {
 namespace {
 
 constexpr double kStep = 3.0 * 3600.0;
-constexpr double kDay = 86400.0;
 
 // White innovations of two features, one of which is missing now and then.
 std::vector<Innovation> WhiteInnovations(int count, unsigned seed,

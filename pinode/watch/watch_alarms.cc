@@ -11,7 +11,6 @@
 namespace pinode {
 namespace {
 
-constexpr double kDay = 86400.0;
 // Features that an alarm names.
 constexpr size_t kMostNamed = 3;
 

@@ -7,6 +7,7 @@
 #include "pinode/report/gnuplot.h"
 #include "pinode/report/page_data.h"
 #include "pinode/report/report_figures.h"
+#include "pinode/watch/control_chart.h"
 #include "pinode/watch/mending.h"
 #include "pinode/watch/watch.h"
 #include "pinode/watch/watch_files.h"
@@ -54,7 +55,6 @@ constexpr char kWatchTemplate[] = R"html(<!DOCTYPE html>
 // neighbouring records.
 constexpr Eigen::Index kMostPoints = 1000;
 constexpr size_t kMostEvents = 200;
-constexpr double kDay = 86400.0;
 
 // Returns the extremes of neighbouring values over time, NaN left out.
 std::vector<std::vector<double>> Thinned(const Vector& times,
