@@ -69,8 +69,18 @@ function(pinode_program_build target)
   endif()
 endfunction()
 
+# Without PINODE_UNIT_TESTS, sources that sanitizers can judge are left out, and
+# the program with them if nothing is left. Those labelled `slow` and `study`
+# stay.
 function(pinode_add_unit_test name folder label libraries)
-  add_executable(${name} ${ARGN})
+  set(sources ${ARGN})
+  if(NOT PINODE_UNIT_TESTS AND NOT label MATCHES "^(slow|study)$")
+    pinode_optimised_tests(sources ${sources})
+    if(NOT sources)
+      return()
+    endif()
+  endif()
+  add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE
     ${libraries} GTest::gmock GTest::gtest_main)
   # Where a test finds the project's data, from whatever directory it runs in.
@@ -96,7 +106,7 @@ function(pinode_add_unit_test name folder label libraries)
     set(cost 10)
   endif()
   if(PINODE_TEST_PROGRAMS)
-    list(LENGTH ARGN num_sources)
+    list(LENGTH sources num_sources)
     add_test(NAME ${folder}
       COMMAND ${name} --gtest_brief=1 --gtest_filter=-*Figures.*)
     set_tests_properties(${folder} PROPERTIES
@@ -169,9 +179,6 @@ function(pinode_add_floor folder)
   install(TARGETS ${target} EXPORT pinodeTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   pinode_install_headers(${folder} ${FLOOR_PUBLIC_HEADERS})
-  if(NOT PINODE_UNIT_TESTS)
-    pinode_optimised_tests(FLOOR_TESTS ${FLOOR_TESTS})
-  endif()
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
     # Not the bare name: `study` is the label of what is run by hand.
     pinode_add_unit_test(${target}_test ${folder} floor_${folder}
