@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "pinode/case/sections/case_file.h"
 #include "pinode/estimate/certainty/profile.h"
 #include "tests/cases/case_figures.h"
 #include "tests/cases/measure.h"
@@ -18,6 +20,29 @@
 namespace pinode {
 namespace testing {
 namespace {
+
+// Not a unit test: the sanitizers take eight times as long for these records,
+// and other tests read the same sections from smaller ones.
+TEST(CasesOfTheProject, AreRead) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(
+           std::filesystem::path(PINODE_SOURCE_DIR) / "data",
+           std::filesystem::directory_options::follow_directory_symlink)) {
+    if (entry.path().extension() != ".toml") continue;
+    // Not a case, but a structure file of pinode_watch.
+    if (entry.path().stem() == "watched_bridge") continue;
+    // The frame's differ by their records alone, and read a dozen exports each.
+    if (entry.path().parent_path().filename() == "frame" &&
+        entry.path().stem() != "gap") {
+      continue;
+    }
+    Case c;
+    std::string error;
+    EXPECT_TRUE(ReadCase(entry.path().string(), &c, &error)) << error;
+    ++count;
+  }
+  EXPECT_GE(count, 8);
+}
 
 // Schemes 2 and 3, which discovery begins from, are held in
 // discover_cases_test.cc.

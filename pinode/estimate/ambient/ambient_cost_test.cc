@@ -92,7 +92,7 @@ TEST(AmbientCostTest, RanksFindTheSameBits) {
   }
 }
 
-TEST(AmbientCostTest, FindsStoreysUnderColouredWind) {
+TEST(AmbientCostFigures, FindsStoreysUnderColouredWind) {
   const TestChain chain = RayleighChain(3);
   const IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.15, RecordOfChain(chain, 600.0, 2, 0.9));
@@ -135,7 +135,7 @@ TEST(AmbientCostFigures, FindsStoreysOnAMovingBase) {
 
 // The fourth mode lies 1.7 times as high as the band ends; what forces on it do
 // there is far more than noise.
-TEST(AmbientCostTest, ModesBeyondTheBandAreLoadedToo) {
+TEST(AmbientCostFigures, ModesBeyondTheBandAreLoadedToo) {
   const TestChain chain = RayleighChain(4);
   IdentificationProblem problem = ProblemOfChain(
       chain, kChainSpring, 0.05, RecordOfChain(chain, 600.0, 5, 0.5));

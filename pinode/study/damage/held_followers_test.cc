@@ -185,7 +185,7 @@ TEST_F(HeldFollowersFigures, ChangesDoNotDependOnWhereTheyAreHeld) {
 
 // The uncertainty of the slope does not enter changes at the temperatures of
 // the baseline, though it enters the baseline's own values at the reference.
-TEST_F(HeldFollowersTest, UncertaintyGrowsAwayFromTheBaseline) {
+TEST_F(HeldFollowersFigures, UncertaintyGrowsAwayFromTheBaseline) {
   IdentificationProblem problem = NewProblem(10.0, 10, 0.0);
   Hold(baseline_->with_followers.values[4], &problem);
   const Identification fit = IdentifyOrFail(std::move(problem));

@@ -173,7 +173,9 @@ Vector WithTwinNoise(const Vector& clean, uint64_t seed, double memory) {
   return clean + 0.01 * SpreadOf(clean) * TwinNoise(seed, memory);
 }
 
-TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInWhiteNoise) {
+using TermChoiceFigures = TermChoiceTest;
+
+TEST_F(TermChoiceFigures, FindsTheCubicTermAmongSixInWhiteNoise) {
   const Vector clean = TwinDisplacement(4.0, 0.0);
   for (const uint64_t seed : {1, 2, 3, 4, 5}) {
     candidates_.clear();
@@ -199,7 +201,7 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInWhiteNoise) {
 
 // Samples of noise that remembers are fewer than they look: by 1.9 / 0.1 for
 // this one.
-TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInColouredNoise) {
+TEST_F(TermChoiceFigures, FindsTheCubicTermAmongSixInColouredNoise) {
   const Vector clean = TwinDisplacement(4.0, 0.0);
   for (const uint64_t seed : {11, 12, 13, 14, 15}) {
     candidates_.clear();
@@ -210,8 +212,6 @@ TEST_F(TermChoiceTest, FindsTheCubicTermAmongSixInColouredNoise) {
     EXPECT_LT(fit.choice.memory, 40.0);
   }
 }
-
-using TermChoiceFigures = TermChoiceTest;
 
 TEST_F(TermChoiceFigures, LeavesOutElementsThatAreNotThere) {
   Make(WithTwinNoise(TwinDisplacement(4.0, 0.0), 21, 0.0), true);
@@ -225,7 +225,7 @@ TEST_F(TermChoiceFigures, LeavesOutElementsThatAreNotThere) {
   EXPECT_EQ(problem_.dynamics->num_states(), 3);
 }
 
-TEST_F(TermChoiceTest, KeepsTheFrictionThatIsThere) {
+TEST_F(TermChoiceFigures, KeepsTheFrictionThatIsThere) {
   Make(WithTwinNoise(TwinDisplacement(0.0, 0.6), 22, 0.0), true);
   const TermFit fit = Choose();
   EXPECT_THAT(Kept(fit.choice), ElementsAre("friction"));
