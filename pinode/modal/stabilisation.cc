@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 constexpr double kMemories = 12.0;
 // Standard deviations of a pole from the median over orders, beyond which it is
 // not averaged.
-constexpr double kFarthest = 3.0;
+constexpr double kFarthestPole = 3.0;
 
 // Rows: frequency (Hz), damping ratio, real and imaginary parts of the shape.
 Matrix Influences(const SubspacePole& pole) {
@@ -187,7 +187,7 @@ class ClusterFinder {
     const double middle = Median(frequencies);
     for (const int member : cluster->members) {
       if (std::abs(pole(member).frequency() - middle) <=
-          kFarthest * sigmas_[static_cast<size_t>(member)].frequency) {
+          kFarthestPole * sigmas_[static_cast<size_t>(member)].frequency) {
         cluster->chosen.push_back(member);
       }
     }

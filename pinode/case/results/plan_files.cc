@@ -110,7 +110,7 @@ Json Plan(const Case& c, const CasePlan& planned) {
   return json;
 }
 
-std::string Text(const Json& json) {
+std::string PlanJsonText(const Json& json) {
   // Names that are not UTF-8 must not end the program.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -118,13 +118,13 @@ std::string Text(const Json& json) {
 }  // namespace
 
 std::string PlanAsJson(const Case& c, const CasePlan& planned) {
-  return Text(Plan(c, planned));
+  return PlanJsonText(Plan(c, planned));
 }
 
 bool WritePlanFiles(const Case& c, const CasePlan& planned,
                     const std::string& folder, std::string* error) {
   const Json json = Plan(c, planned);
-  if (!WriteFileAtomically(folder + "/plan.json", Text(json), error)) {
+  if (!WriteFileAtomically(folder + "/plan.json", PlanJsonText(json), error)) {
     return false;
   }
   for (const char* name :

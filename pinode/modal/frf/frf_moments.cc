@@ -16,7 +16,7 @@ using Eigen::Index;
 
 // Deviations from the median at which a file does not count, and the deviation
 // of normal numbers over the median of their distances.
-constexpr double kFarthest = 4.0;
+constexpr double kFarthestFile = 4.0;
 constexpr double kNormalMedian = 1.4826;
 
 // Covariance of the nonlinear unknowns: the inverse of the information.
@@ -59,7 +59,8 @@ RandomEffects MeanOf(const Vector& all_values, const Vector& all_variances) {
   std::vector<Index> near;
   for (Index i = 0; i < all_count; ++i) {
     if (std::abs(all_values[i] - middle) <=
-        kFarthest * std::hypot(scatter_of_most, std::sqrt(all_variances[i]))) {
+        kFarthestFile *
+            std::hypot(scatter_of_most, std::sqrt(all_variances[i]))) {
       near.push_back(i);
     }
   }

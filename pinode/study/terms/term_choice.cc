@@ -17,7 +17,7 @@
 namespace pinode {
 namespace {
 
-bool IsTraining(const IdentificationRecord& record) {
+bool IsTrainingRecord(const IdentificationRecord& record) {
   return record.role == IdentificationRecord::Role::kTrain;
 }
 
@@ -26,7 +26,7 @@ IdentificationProblem TrainingPart(const IdentificationProblem& problem) {
   IdentificationProblem part = problem;
   part.records.clear();
   for (const IdentificationRecord& record : problem.records) {
-    if (IsTraining(record)) part.records.push_back(record);
+    if (IsTrainingRecord(record)) part.records.push_back(record);
   }
   return part;
 }
@@ -37,7 +37,7 @@ IdentifiedModel TrainingPart(const IdentificationProblem& problem,
   part.sigmas.clear();
   part.starts.clear();
   for (size_t r = 0; r < problem.records.size(); ++r) {
-    if (!IsTraining(problem.records[r])) continue;
+    if (!IsTrainingRecord(problem.records[r])) continue;
     if (r < model.sigmas.size()) part.sigmas.push_back(model.sigmas[r]);
     if (r < model.starts.size()) part.starts.push_back(model.starts[r]);
   }
@@ -53,7 +53,7 @@ IdentifiedModel WithAllRecords(const IdentificationProblem& problem,
   model.starts.assign(problem.records.size(), Vector());
   size_t next = 0;
   for (size_t r = 0; r < problem.records.size(); ++r) {
-    if (!IsTraining(problem.records[r])) continue;
+    if (!IsTrainingRecord(problem.records[r])) continue;
     if (next < part.sigmas.size()) model.sigmas[r] = part.sigmas[next];
     if (next < part.starts.size()) model.starts[r] = part.starts[next];
     ++next;
@@ -113,7 +113,7 @@ class Chooser {
     bool again = fit.summary.termination == Termination::kInterrupted;
     for (size_t r = 0; r < fit.problem.records.size(); ++r) {
       const IdentificationRecord& record = fit.problem.records[r];
-      if (!IsTraining(record)) continue;
+      if (!IsTrainingRecord(record)) continue;
       fit_.summary.records.push_back(fit.summary.records[r]);
       again = again || !record.NoisyInputs().empty();
     }
