@@ -131,7 +131,7 @@ class Report {
   std::string DataName() const {
     if (IsOfFrfs()) return "frequency responses";
     if (problem_.modal.modes.empty()) return "records";
-    return IsOfModes(problem_) ? "modes" : "records and modes";
+    return HasModesAlone(problem_) ? "modes" : "records and modes";
   }
 
   // "'k1' at -0.102 instead of -0.0519", of the parameter that it moves most,
@@ -333,7 +333,7 @@ class Report {
   // them, so that all that cannot be told from the best one count.
   bool IsAllowedFor(const Explanation& explanation,
                     const Explanation& best) const {
-    return IsOfModes(problem_)
+    return HasModesAlone(problem_)
                ? explanation.log_odds > best.log_odds - limits::kLogOdds
                : &explanation == &best && best.log_odds > limits::kLogOdds;
   }
@@ -386,7 +386,7 @@ Explained ExplainModes(const IdentificationProblem& problem,
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner) {
-  if (IsOfModes(problem) &&
+  if (HasModesAlone(problem) &&
       CommunicatorOrSingle(options.communicator).size() == 1) {
     return ExplainModes(problem, options, fit, model, inner);
   }

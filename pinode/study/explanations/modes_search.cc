@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/estimate/objective/modal_cost.h"
@@ -31,6 +32,16 @@ constexpr size_t kMostGainPlaces = 40;
 // Squared errors above which a mode may be wrong, as a multiple of what its
 // standard deviations allow.
 constexpr double kWorst = 4.0;
+
+// MAC below which faults of sensors are tried where modes have no standard
+// deviations. MakeShapeSuspects does not offer what improves a MAC by less.
+constexpr double kUnlike = 0.98;
+
+// Range of the entries of a shape whose largest is one.
+constexpr double kRangeOfEntry = 2.0;
+// Mean squared error of modes without standard deviations that rounding may
+// leave.
+constexpr double kRoundingSquare = 1e-20;
 
 Suspect LeftOut(const IdentificationProblem& problem, size_t i) {
   const MeasuredMode& mode = problem.modal.modes[i];
@@ -91,6 +102,13 @@ bool IsOfModes(const IdentificationProblem& problem) {
          !problem.modal.empty() && problem.modal.HasSigmasOfAll();
 }
 
+bool HasModesAlone(const IdentificationProblem& problem) {
+  return IsOfModes(problem) ||
+         (problem.num_train_records() == 0 && !problem.HasSpectra() &&
+          !problem.modal.empty() && !problem.modal.HasSigmas() &&
+          problem.modal.form == ModalForm::kEigenvectorDifference);
+}
+
 ModesSearch::ModesSearch(const IdentificationProblem& problem,
                          const IdentificationOptions& options,
                          const FitSummary& fit, const IdentifiedModel& model,
@@ -127,15 +145,23 @@ double ModesSearch::SquaredErrorLeft() const {
 }
 
 bool ModesSearch::IsBeyondDeviations() const {
-  return ChiSquareProbability(2.0 * fit_.final_modal_cost, left_) <
-         limits::kModesProbability;
+  return problem_.modal.HasSigmasOfAll() &&
+         ChiSquareProbability(2.0 * fit_.final_modal_cost, left_) <
+             limits::kModesProbability;
+}
+
+// True if a shape has no partner, or one that a fault of a sensor may explain.
+bool ModesSearch::IsAnyShapeUnlike() const {
+  const bool has_deviations = problem_.modal.HasSigmasOfAll();
+  return std::any_of(fit_.modes.begin(), fit_.modes.end(),
+                     [&](const ModeScore& score) {
+                       return !score.InUse() ||
+                              (!has_deviations && score.updated.mac < kUnlike);
+                     });
 }
 
 bool ModesSearch::Run() {
-  const bool uses_all =
-      std::all_of(fit_.modes.begin(), fit_.modes.end(),
-                  [](const ModeScore& score) { return score.InUse(); });
-  if (!IsBeyondDeviations() && uses_all) return false;
+  if (!IsBeyondDeviations() && !IsAnyShapeUnlike()) return false;
   if (IsBeyondDeviations()) AddCatalogue();
   for (Suspect& suspect :
        MakeShapeSuspects(problem_, model_, kMostShapeSuspects)) {
@@ -268,15 +294,57 @@ double ModesSearch::LogOdds(const Refit& refit) const {
   // Numbers that the fit had to leave out and the refit describes.
   const double gained =
       NumMeasuredIn(refit.problem, refit.fit) - (num_measured_ - left_out);
-  unknowns += left_out - gained;
   const double count = num_measured_ + std::max(0.0, gained);
-  const auto mean_square = [](const FitSummary& fit, double left) {
-    return std::max(1.0, 2.0 * fit.final_modal_cost / std::max(1.0, left));
+  const double least = problem_.modal.HasSigmasOfAll() ? 1.0 : kRoundingSquare;
+  const auto mean_square = [least](const FitSummary& fit, double left) {
+    return std::max(least, 2.0 * fit.final_modal_cost / std::max(1.0, left));
   };
-  return 0.5 * count *
-             std::log(mean_square(fit_, left_) /
-                      mean_square(refit.fit, left_ + gained)) -
-         0.5 * unknowns * std::log(std::max(count, 2.0)) - choice;
+  const double after = mean_square(refit.fit, left_ + gained);
+  unknowns += left_out;
+  return 0.5 * count * std::log(mean_square(fit_, left_) / after) -
+         0.5 * unknowns * std::log(std::max(count, 2.0)) +
+         LogWorthOfRegained(refit, after) - choice;
+}
+
+// `mean_square` is that of the refit's residuals.
+double ModesSearch::LogWorthOfRegained(const Refit& refit,
+                                       double mean_square) const {
+  const double step = std::sqrt(mean_square * 2.0 * kPi * std::exp(1.0));
+  const double count = std::max(2.0, static_cast<double>(num_measured_));
+  std::set<int> left_out;
+  for (const size_t i : refit.suspects) {
+    left_out.insert(suspects_[i].left_out_modes.begin(),
+                    suspects_[i].left_out_modes.end());
+  }
+  double worth = 0.0;
+  size_t next = 0;  // mode of the refit
+  for (size_t i = 0; i < fit_.modes.size(); ++i) {
+    if (left_out.count(static_cast<int>(i)) > 0) continue;
+    const MeasuredMode& mode = refit.problem.modal.modes[next];
+    const bool is_used = refit.fit.modes[next++].InUse();
+    if (is_used == fit_.modes[i].InUse()) continue;
+    if (!is_used) {  // Its numbers are unknowns now.
+      worth -= 0.5 * NumbersOf(mode) * std::log(count);
+      continue;
+    }
+    // The residual of a frequency is that of its square, relative.
+    const double frequency_error = mode.frequency_sigma > 0.0
+                                       ? mode.frequency_sigma / mode.frequency
+                                       : 0.5 / mode.frequency_weight;
+    worth += std::log(2.0 * limits::kModeDistance / (step * frequency_error));
+    if (!mode.HasShape()) continue;
+    const double largest = mode.shape.cwiseAbs().maxCoeff();
+    double entry_error = 1.0 / mode.shape_weight;
+    if (mode.shape_sigma > 0.0) {
+      entry_error = mode.shape_sigma / largest;
+    } else if (mode.shape_covariance.size() > 0) {
+      entry_error =
+          std::sqrt(mode.shape_covariance.diagonal().mean()) / largest;
+    }
+    worth +=
+        (NumbersOf(mode) - 1) * std::log(kRangeOfEntry / (step * entry_error));
+  }
+  return worth;
 }
 
 const Refit* ModesSearch::Best() const {

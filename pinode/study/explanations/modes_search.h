@@ -20,6 +20,10 @@ namespace pinode {
 // True for problems of measured modes alone, all with standard deviations.
 bool IsOfModes(const IdentificationProblem& problem);
 
+// True for the same problems, and for measured modes alone that have no
+// standard deviations: their residuals have one unknown size.
+bool HasModesAlone(const IdentificationProblem& problem);
+
 // Number of measured numbers of a mode: a shape has no scale.
 int NumbersOf(const MeasuredMode& mode);
 
@@ -36,7 +40,8 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 // modes left out, and faults of the sensors (MakeShapeSuspects, gains). It does
 // nothing where the errors of the modes are what their standard deviations
 // allow, unless the initial model has no mode like a measured one: then faults
-// of sensors alone are tried.
+// of sensors alone are tried. The same holds without standard deviations where
+// a MAC is below 0.98.
 //
 // The log odds of a refit with k unknowns among n candidates are those of
 // Explain (n is larger for a fault that was chosen among more than that, as two
@@ -46,7 +51,11 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 //
 // with the number N of measured numbers and their mean squared errors s, s' in
 // standard deviations before and after. Less than 1 counts as 1. The numbers of
-// a mode that is left out are unknowns, also where a fit cannot use it.
+// a mode that is left out are unknowns. A number that a fit cannot use and the
+// refit describes adds log(r / (e sqrt(2 pi exp 1))): the range r that it might
+// have had against its error e in the refit. Ranges are 2 for the entries of a
+// shape with a largest of one, and a factor of exp 0.3 either way for a
+// frequency, beyond which it has no partner.
 class ModesSearch {
  public:
   // Refers to all arguments.
@@ -73,6 +82,8 @@ class ModesSearch {
   void AddGains();
   void Try(const Refit& from, std::vector<size_t> suspects);
   double LogOdds(const Refit& refit) const;
+  double LogWorthOfRegained(const Refit& refit, double mean_square) const;
+  bool IsAnyShapeUnlike() const;
   int NumMeasuredIn(const IdentificationProblem& problem,
                     const FitSummary& fit) const;
   const Refit* Best() const;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
@@ -96,6 +97,50 @@ TEST(ModesSearch, NamesAMisreadMode) {
   EXPECT_EQ(first.kind, "mode") << first.what;
   EXPECT_EQ(first.place, "3");
   EXPECT_THAT(first.what, HasSubstr("misread"));
+}
+
+bool HasFinding(const IdentificationSummary& fit, const std::string& check) {
+  const auto& findings = fit.verdict.findings();
+  return std::any_of(
+      findings.begin(), findings.end(),
+      [&check](const Finding& finding) { return finding.check == check; });
+}
+
+// With the other sign of an entry the second mode is the partner of no mode of
+// the model, and the fit goes on without it.
+TEST(ModesSearch, NamesTheSignThatLeavesAModeUnused) {
+  for (const bool has_deviations : {true, false}) {
+    IdentificationProblem problem = MeasuredModes(0.0, 0, SomeStiffness(), 2);
+    problem.modal.modes[1].shape[1] *= -1.0;
+    for (MeasuredMode& mode : problem.modal.modes) {
+      if (has_deviations) break;
+      mode.frequency_sigma = 0.0;
+      mode.shape_sigma = 0.0;
+    }
+    const Identification found = IdentifyModes(problem);
+    ASSERT_FALSE(found.summary.modes[1].InUse());
+    EXPECT_EQ(found.summary.verdict.grade(), Grade::kWithCare);
+    EXPECT_TRUE(HasFinding(found.summary, "mode_not_used"));
+    ASSERT_FALSE(found.summary.explanations.empty()) << has_deviations;
+    EXPECT_EQ(found.summary.explanations[0].what, "the sign of mode 2 at 'u2'");
+  }
+}
+
+// Without standard deviations a fit takes any error of a shape for noise.
+TEST(ModesSearch, FindsAShapeThatIsNotMet) {
+  IdentificationProblem problem = MeasuredModes(0.0, 0, SomeStiffness(), 2);
+  for (MeasuredMode& mode : problem.modal.modes) {
+    mode.frequency_sigma = 0.0;
+    mode.shape_sigma = 0.0;
+  }
+  EXPECT_EQ(IdentifyModes(problem).summary.verdict.grade(), Grade::kGood);
+  problem.modal.modes[0].shape[1] *= -1.0;
+  const IdentificationSummary fit = IdentifyModes(problem).summary;
+  ASSERT_TRUE(fit.modes[0].InUse());
+  EXPECT_NE(fit.verdict.grade(), Grade::kGood);
+  EXPECT_TRUE(HasFinding(fit, "shape_not_met"));
+  ASSERT_FALSE(fit.explanations.empty());
+  EXPECT_EQ(fit.explanations[0].what, "the sign of mode 1 at 'u2'");
 }
 
 // The mass in place of changed groups that explains the modes. Healthy modes

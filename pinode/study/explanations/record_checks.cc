@@ -210,25 +210,12 @@ void CheckDamping(const IdentificationProblem& problem,
   CheckDampers(before, after, findings);
 }
 
-// Measured shapes that are like no mode of the fitted model. A fit that used
-// one would have moved parameters to meet noise.
-void CheckForeignShapes(const IdentificationProblem& problem,
-                        const IdentifiedModel& model, Findings* findings) {
-  const StructuralDynamics dynamics =
-      AveragedDynamics(problem.modal, *problem.dynamics);
-  const StructuralModel after =
-      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
-  UndampedModes modes;
-  std::string unused;
-  if (problem.modal.empty() ||
-      !ComputeUndampedModes(after.mass, after.stiffness, &modes, &unused)) {
-    return;
-  }
-  std::vector<std::string> names;
-  double least = 1.0;
-  std::vector<double> best(problem.modal.modes.size(), 0.0);
+// Returns the largest MAC of each measured shape with any mode of the model.
+std::vector<double> LargestMacs(const ModalData& data,
+                                const UndampedModes& modes) {
+  std::vector<double> best(data.modes.size(), 0.0);
   for (size_t i = 0; i < best.size(); ++i) {
-    const MeasuredMode& mode = problem.modal.modes[i];
+    const MeasuredMode& mode = data.modes[i];
     if (!mode.HasShape()) continue;
     for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
       best[i] = std::max(best[i], Mac(mode.shape, modes.shapes(mode.dofs, j)));
@@ -236,10 +223,10 @@ void CheckForeignShapes(const IdentificationProblem& problem,
   }
   // Close modes may point in any direction of the span of as many modes of the
   // model: those that are most like their own span.
-  for (const std::vector<int>& set : CloseModes(problem.modal)) {
-    const Matrix span = UnitShapes(problem.modal, set);
+  for (const std::vector<int>& set : CloseModes(data)) {
+    const Matrix span = UnitShapes(data, set);
     const std::vector<int>& dofs =
-        problem.modal.modes[static_cast<size_t>(set.front())].dofs;
+        data.modes[static_cast<size_t>(set.front())].dofs;
     std::vector<std::pair<double, Eigen::Index>> alike;
     for (Eigen::Index j = 0; j < modes.shapes.cols(); ++j) {
       alike.emplace_back(MacWithSpan(span, modes.shapes(dofs, j)), j);
@@ -255,24 +242,83 @@ void CheckForeignShapes(const IdentificationProblem& problem,
     for (const int i : set) {
       double& own = best[static_cast<size_t>(i)];
       own = std::max(
-          own, MacWithSpan(partners,
-                           problem.modal.modes[static_cast<size_t>(i)].shape));
+          own, MacWithSpan(partners, data.modes[static_cast<size_t>(i)].shape));
     }
   }
+  return best;
+}
+
+// Measured shapes that the fitted model does not have. Below kLeastPairProfit
+// a fit that used one would have moved parameters to meet noise.
+void CheckShapes(const IdentificationProblem& problem, const FitSummary& fit,
+                 const IdentifiedModel& model, Findings* findings) {
+  const StructuralDynamics dynamics =
+      AveragedDynamics(problem.modal, *problem.dynamics);
+  const StructuralModel after =
+      dynamics.CorrectedModel(model.parameters.head(dynamics.num_parameters()));
+  UndampedModes modes;
+  std::string unused;
+  if (problem.modal.empty() ||
+      !ComputeUndampedModes(after.mass, after.stiffness, &modes, &unused)) {
+    return;
+  }
+  const std::vector<double> best = LargestMacs(problem.modal, modes);
+  std::vector<std::string> foreign, unlike;
+  double least_foreign = 1.0, least_unlike = 1.0;
   for (size_t i = 0; i < best.size(); ++i) {
     const MeasuredMode& mode = problem.modal.modes[i];
-    if (!mode.HasShape() || best[i] >= kLeastPairProfit) continue;
-    names.push_back(mode.name.empty() ? std::to_string(i + 1) : mode.name);
+    if (!mode.HasShape() || best[i] >= limits::kShapeMet) continue;
+    const bool is_foreign = best[i] < kLeastPairProfit;
+    // CheckUnusedModes names the others.
+    if (!is_foreign && i < fit.modes.size() && !fit.modes[i].InUse()) continue;
+    (is_foreign ? foreign : unlike)
+        .push_back(mode.name.empty() ? std::to_string(i + 1) : mode.name);
+    double& least = is_foreign ? least_foreign : least_unlike;
     least = std::min(least, best[i]);
   }
-  if (names.empty()) return;
+  if (!foreign.empty()) {
+    findings->push_back(
+        {"shape_like_no_mode",
+         "the shape of measured mode '" + Join(foreign, "', '") +
+             "' is like no mode of the updated model (largest MAC " +
+             FormatNumber(least_foreign, 2) + "): it may be noise",
+         least_foreign, kLeastPairProfit,
+         "leave the mode out, or check the places and signs of its sensors",
+         Grade::kWithCare});
+  }
+  if (!unlike.empty()) {
+    findings->push_back(
+        {"shape_not_met",
+         "no mode of the updated model has the shape of measured mode '" +
+             Join(unlike, "', '") + "' (largest MAC " +
+             FormatNumber(least_unlike, 2) + ")",
+         least_unlike, limits::kShapeMet,
+         "check the signs and places of its sensors, or free what the model "
+         "lacks",
+         Grade::kWithCare});
+  }
+}
+
+// Modes that a fit had to leave out although the model has modes for them.
+void CheckUnusedModes(const FitSummary& fit, Findings* findings) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < fit.modes.size(); ++i) {
+    if (fit.modes[i].InUse()) continue;
+    names.push_back(fit.modes[i].name.empty() ? std::to_string(i + 1)
+                                              : fit.modes[i].name);
+  }
+  const double all = static_cast<double>(fit.modes.size());
+  const double used = all - static_cast<double>(names.size());
+  if (names.empty() || used >= fit.num_model_modes) return;
   findings->push_back(
-      {"shape_like_no_mode",
-       "the shape of measured mode '" + Join(names, "', '") +
-           "' is like no mode of the updated model (largest MAC " +
-           FormatNumber(least, 2) + "): it may be noise",
-       least, kLeastPairProfit,
-       "leave the mode out, or check the places and signs of its sensors",
+      {"mode_not_used",
+       "the fit does not use measured mode '" + Join(names, "', '") +
+           "': the initial model has no mode like it that is not the partner "
+           "of another one",
+       used, all,
+       "check the sign and place of each entry of its shape, and its "
+       "frequency; "
+       "or leave the mode out",
        Grade::kWithCare});
 }
 
@@ -291,7 +337,8 @@ std::vector<Finding> CheckAgainstProblem(const IdentificationProblem& problem,
   CheckPriors(problem, fit, &findings);
   CheckSizes(problem, fit, &findings);
   CheckDamping(problem, model, &findings);
-  CheckForeignShapes(problem, model, &findings);
+  CheckShapes(problem, fit, model, &findings);
+  CheckUnusedModes(fit, &findings);
   return findings;
 }
 
