@@ -14,6 +14,7 @@
 #include "pinode/study/explanations/catalogue.h"
 #include "pinode/study/explanations/frf_suspects.h"
 #include "pinode/study/explanations/modes_search.h"
+#include "pinode/study/explanations/rocking_base.h"
 #include "pinode/study/explanations/unknown_forces.h"
 #include "pinode/study/problem/growth.h"
 #include "pinode/study/terms/term_worth.h"
@@ -39,6 +40,10 @@ constexpr size_t kMostTogether = 3;
 constexpr size_t kMostAmbientSensors = 2;
 constexpr int kMostGains = 4;
 constexpr double kSameGain = 0.01;
+// Number of refits of a rocking base, whose matrix follows the stiffness, and
+// the change of the matrix that ends them.
+constexpr int kMostRocking = 4;
+constexpr double kSameMatrix = 0.01;
 // Number of measured modes to leave out, one at a time.
 constexpr size_t kMostModesLeftOut = 2;
 
@@ -274,6 +279,7 @@ bool RefitSearch::Run() {
     if (!suspect.left_out_modes.empty()) Try(own, {i}, /*cold=*/false);
     if (!suspect.ambient_scales.empty()) TryGain(own, i);
   }
+  if (MostUnexplained(fit_) > limits::kNotedUnexplained) TryRocking(own);
   for (size_t together = 2; together <= kMostTogether; ++together) {
     if (!AddToBest()) break;
   }
@@ -456,6 +462,40 @@ void RefitSearch::TryGain(const Refit& from, size_t i) {
     refits_.pop_back();
     tried_.erase({i});
   }
+}
+
+// Refits with a rocking base until its matrix is that of the stiffness that the
+// refit itself finds. The fit without it is far from the truth where a base
+// rocks, so that no score at it tells: the first refit begins with the initial
+// model.
+void RefitSearch::TryRocking(const Refit& from) {
+  const StructuralDynamics& dynamics = *problem_.dynamics;
+  std::optional<Suspect> rocking = MakeRockingBase(dynamics.model());
+  if (!rocking.has_value()) return;
+  const size_t i = suspects_.size();
+  suspects_.push_back(std::move(*rocking));
+  // It has no score.
+  scores_.suspects.resize(suspects_.size());
+  Matrix& matrix = suspects_[i].groups[0].group.matrix;
+  Refit last = from;
+  for (int round = 0; round < kMostRocking; ++round) {
+    tried_.erase({i});
+    if (!Try(last, {i}, /*cold=*/round == 0)) break;
+    last = std::move(refits_.back());
+    refits_.pop_back();
+    // Where it explains nothing, another matrix of it does neither.
+    if (last.log_odds < 0.0) break;
+    const IdentifiedModel own = BeginFrom(
+        ParametersByName(last.problem, last.model), last.model, problem_);
+    const StructuralModel corrected =
+        dynamics.CorrectedModel(own.parameters.head(dynamics.num_parameters()));
+    const Matrix again = RockingPerShare(corrected.stiffness,
+                                         HeightsOfStoreys(dynamics.model()));
+    const bool is_same = (again - matrix).norm() < kSameMatrix * matrix.norm();
+    if (is_same || !again.allFinite()) break;
+    if (round + 1 < kMostRocking) matrix = again;
+  }
+  if (last.log_odds > 0.0) refits_.push_back(std::move(last));
 }
 
 double RefitSearch::LogOdds(const Refit& refit) const {

@@ -41,6 +41,7 @@ class RefitSearch {
  private:
   void AddSuspectsBeside();
   void TryGain(const Refit& from, size_t i);
+  void TryRocking(const Refit& from);
   bool Score(const Refit& at, std::vector<Suspect> suspects,
              SuspectScores* scores) const;
   void AddForceSuspects(const Refit& own);
