@@ -301,7 +301,7 @@ double ModesSearch::LogOdds(const Refit& refit) const {
   };
   const double after = mean_square(refit.fit, left_ + gained);
   unknowns += left_out;
-  return 0.5 * count * std::log(mean_square(fit_, left_) / after) -
+  return 0.5 * num_measured_ * std::log(mean_square(fit_, left_) / after) -
          0.5 * unknowns * std::log(std::max(count, 2.0)) +
          LogWorthOfRegained(refit, after) - choice;
 }
