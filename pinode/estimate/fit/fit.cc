@@ -193,6 +193,10 @@ bool Fit::SettleSingle(bool* settled) {
   // In the first rounds noise levels and decay settle, and they end early. The
   // last round runs to the tolerance asked for.
   bool fine = false;
+  // Costs of ambient records are large negative log-likelihoods, and models
+  // that are wrong for them have valleys.
+  constexpr double kValley = 1e-5;
+  const double valley = context_.problem.ambient.empty() ? 0.0 : kValley;
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
   int quiet_rounds = 0;
@@ -212,11 +216,11 @@ bool Fit::SettleSingle(bool* settled) {
       iterations =
           fine ? solve.fine_network_iterations : solve.network_round_iterations;
     }
-    if (!solver_.Solve({iterations, tolerance, residual, 0.0}, &current_,
-                       &converged)) {
+    if (!solver_.Solve({iterations, tolerance, residual, 0.0, valley},
+                       &current_, &converged)) {
       return false;
     }
-    if (log_.interrupted()) break;
+    if (log_.interrupted() || solver_.is_in_valley()) break;
     if (networks && fine && converged &&
         (quiet || evidence_rounds >= 2 * evidence.rounds ||
          solver_.IsBelow(residual, current_.free))) {

@@ -28,6 +28,9 @@ class Solver {
     // Share of the cost: several steps in a row that change it by no more end
     // the solve. 0: no limit.
     double crawl = 0.0;
+    // The same, but for 50 steps in a row: they are a valley without an end,
+    // and the solve has not converged. 0: no limit.
+    double valley = 0.0;
   };
 
   // Solves from state->free. *converged is true if an iteration changes the
@@ -39,6 +42,9 @@ class Solver {
   // at the start.
   [[nodiscard]] bool Solve(const Limits& limits, FitState* state,
                            bool* converged);
+
+  // True if the last solve ended in a valley.
+  bool is_in_valley() const { return is_in_valley_; }
 
   // True if the residuals at `free`, where the objective is linearised, are
   // below this RMS.
@@ -65,6 +71,7 @@ class Solver {
 
   const FitContext& context_;
   FitLog* log_;
+  bool is_in_valley_ = false;
   double radius_ = 0.0;
 };
 

@@ -110,50 +110,81 @@ void KeepBest(std::vector<std::pair<double, Suspect>>* ranked, size_t most,
   }
 }
 
+// Returns the ambient record that a suspect changes.
+int RecordOf(const Suspect& suspect) {
+  return suspect.ambient_exchanged.empty()
+             ? suspect.ambient_scales.front().record
+             : suspect.ambient_exchanged.front().record;
+}
+
+// Adds the suspects of record `r` that are likeliest at `lines`. A gain is a
+// regression on the prediction, which only a fit has.
+void AddSuspectsAt(const LinesAtFit& lines, const AmbientRecord& record, int r,
+                   bool is_fit, size_t most, std::vector<Suspect>* suspects) {
+  std::vector<std::pair<double, Suspect>> exchanges, turns, scales;
+  for (int c = 0; c < static_cast<int>(lines.size()); ++c) {
+    const Observation& own = record.channels[static_cast<size_t>(c)];
+    Suspect suspect;
+    suspect.kind = Kind::kSensorGain;
+    suspect.place = own.name;
+    if (lines.GainOfTurn(c) > 0.0) {
+      suspect.what = "sensor '" + own.name + "' mounted upside down";
+      suspect.ambient_scales = {{r, c, -1.0}};
+      turns.emplace_back(lines.GainOfTurn(c), suspect);
+    }
+    const double scale = lines.ScaleOf(c);
+    if (is_fit && scale > 0.0 && std::abs(scale - 1.0) > kLeastScale) {
+      suspect.what = "the gain of sensor '" + own.name + "'";
+      suspect.ambient_scales = {{r, c, 1.0 / scale}};
+      scales.emplace_back(std::abs(std::log(scale)) * lines.CorrelationOf(c),
+                          suspect);
+    }
+    for (int d = 0; d < c; ++d) {
+      const Observation& other = record.channels[static_cast<size_t>(d)];
+      const double gain = lines.GainOfExchange(c, d);
+      if (other.quantity != own.quantity || !(gain > 0.0)) continue;
+      Suspect swapped;
+      swapped.kind = Kind::kExchange;
+      swapped.place = other.name + "," + own.name;
+      swapped.what =
+          "sensors '" + other.name + "' and '" + own.name + "' swapped";
+      swapped.ambient_exchanged = {{r, d, c}};
+      exchanges.emplace_back(gain, std::move(swapped));
+    }
+  }
+  KeepBest(&exchanges, most, suspects);
+  KeepBest(&turns, most, suspects);
+  KeepBest(&scales, most, suspects);
+}
+
 }  // namespace
 
 std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
                                          const IdentifiedModel& model,
                                          int num_threads, size_t most) {
   std::vector<Suspect> suspects;
+  // A fit may have adapted to a wrong sensor, or have lost itself.
+  IdentifiedModel initial = model;
+  initial.parameters = problem.dynamics->Parameters();
   for (size_t r = 0; r < problem.ambient.size(); ++r) {
-    LinesAtFit lines;
-    if (!lines.Sum(problem, model, r, num_threads)) continue;
-    const std::vector<Observation>& channels = problem.ambient[r].channels;
-    std::vector<std::pair<double, Suspect>> exchanges, turns, scales;
-    for (int c = 0; c < static_cast<int>(lines.size()); ++c) {
-      const Observation& own = channels[static_cast<size_t>(c)];
-      Suspect suspect;
-      suspect.kind = Kind::kSensorGain;
-      suspect.place = own.name;
-      if (lines.GainOfTurn(c) > 0.0) {
-        suspect.what = "sensor '" + own.name + "' mounted upside down";
-        suspect.ambient_scales = {{static_cast<int>(r), c, -1.0}};
-        turns.emplace_back(lines.GainOfTurn(c), suspect);
-      }
-      const double scale = lines.ScaleOf(c);
-      if (scale > 0.0 && std::abs(scale - 1.0) > kLeastScale) {
-        suspect.what = "the gain of sensor '" + own.name + "'";
-        suspect.ambient_scales = {{static_cast<int>(r), c, 1.0 / scale}};
-        scales.emplace_back(std::abs(std::log(scale)) * lines.CorrelationOf(c),
-                            suspect);
-      }
-      for (int d = 0; d < c; ++d) {
-        const Observation& other = channels[static_cast<size_t>(d)];
-        const double gain = lines.GainOfExchange(c, d);
-        if (other.quantity != own.quantity || !(gain > 0.0)) continue;
-        Suspect swapped;
-        swapped.kind = Kind::kExchange;
-        swapped.place = other.name + "," + own.name;
-        swapped.what =
-            "sensors '" + other.name + "' and '" + own.name + "' swapped";
-        swapped.ambient_exchanged = {{static_cast<int>(r), d, c}};
-        exchanges.emplace_back(gain, std::move(swapped));
-      }
+    std::vector<Suspect> found;
+    for (const IdentifiedModel* at :
+         {static_cast<const IdentifiedModel*>(&initial), &model}) {
+      LinesAtFit lines;
+      if (!lines.Sum(problem, *at, r, num_threads)) continue;
+      AddSuspectsAt(lines, problem.ambient[r], static_cast<int>(r),
+                    at == &model, most, &found);
     }
-    KeepBest(&exchanges, most, &suspects);
-    KeepBest(&turns, most, &suspects);
-    KeepBest(&scales, most, &suspects);
+    for (Suspect& suspect : found) {
+      const bool is_known = std::any_of(
+          suspects.begin(), suspects.end(), [&](const Suspect& other) {
+            return other.what == suspect.what &&
+                   other.ambient_exchanged.empty() ==
+                       suspect.ambient_exchanged.empty() &&
+                   RecordOf(other) == RecordOf(suspect);
+          });
+      if (!is_known) suspects.push_back(std::move(suspect));
+    }
   }
   return suspects;
 }

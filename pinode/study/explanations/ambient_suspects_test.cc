@@ -61,6 +61,22 @@ TEST(AmbientSuspects, SwappedTurnedAndScaledSensorsComeFirst) {
   EXPECT_NEAR(AmbientScale(scaled, truth, 0, 2, 1), 1.0 / 0.7, 0.15);
 }
 
+// A wrong sensor drives a fit far from the structure, where the lines tell
+// nothing of it. Those at the initial model do.
+TEST(AmbientSuspects, AreFoundWhereTheFitIsLost) {
+  IdentificationProblem turned = Wind();
+  turned.ambient[0].samples.row(2) *= -1.0;
+  IdentifiedModel lost = Truth(turned);
+  lost.parameters.setConstant(20.0);
+  bool is_turned = false;
+  for (const Suspect& suspect : MakeAmbientSuspects(turned, lost, 1, 1)) {
+    for (const Suspect::AmbientScale& at : suspect.ambient_scales) {
+      is_turned = is_turned || (at.channel == 2 && at.factor == -1.0);
+    }
+  }
+  EXPECT_TRUE(is_turned);
+}
+
 // The suspects undo what was done to the samples.
 TEST(AmbientSuspects, AreAddedToTheSamples) {
   const IdentificationProblem problem = Wind();

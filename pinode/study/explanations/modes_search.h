@@ -49,13 +49,13 @@ std::vector<Suspect> WorstModes(const IdentificationProblem& problem,
 //
 //   N / 2 log(s / s') - k / 2 log N - log n,
 //
-// with the number N of measured numbers that the fit uses and their mean squared errors s, s' in
-// standard deviations before and after. Less than 1 counts as 1. The numbers of
-// a mode that is left out are unknowns. A number that a fit cannot use and the
-// refit describes adds log(r / (e sqrt(2 pi exp 1))): the range r that it might
-// have had against its error e in the refit. Ranges are 2 for the entries of a
-// shape with a largest of one, and a factor of exp 0.3 either way for a
-// frequency, beyond which it has no partner.
+// with the number N of measured numbers that the fit uses and their mean
+// squared errors s, s' in standard deviations before and after. Less than 1
+// counts as 1. The numbers of a mode that is left out are unknowns. A number
+// that a fit cannot use and the refit describes adds log(r / (e sqrt(2 pi exp
+// 1))): the range r that it might have had against its error e in the refit.
+// Ranges are 2 for the entries of a shape with a largest of one, and a factor
+// of exp 0.3 either way for a frequency, beyond which it has no partner.
 class ModesSearch {
  public:
   // Refers to all arguments.
