@@ -284,6 +284,7 @@ class Refitter {
         return true;
       }
       discovery_.rivals = std::move(comparison.rivals);
+      incomplete_ = comparison.incomplete;
       compared_ = discovery_.equations;
       // The rivals and probabilities must be those of the terms that stay.
       if (comparison.better.empty() || k == kMaxSearches) return true;
@@ -370,8 +371,8 @@ class Refitter {
     BeginNearTheEnd(&options);
     IdentificationExtras extras;
     extras.start = &last_model_;
-    extras.findings =
-        CheckTerms(discovery_.equations, discovery_.rivals, options_.search);
+    extras.findings = CheckTerms(discovery_.equations, discovery_.rivals,
+                                 incomplete_, options_.search);
     Identification found =
         Identify(discovery_.problem, options, extras, &announcing_);
     discovery_.problem = std::move(found.problem);
@@ -453,6 +454,7 @@ class Refitter {
   IdentifiedModel last_model_;
   std::vector<int> substeps_;
   std::vector<DiscoveredEquation> compared_;  // with rivals
+  double incomplete_ = kNaN;  // RivalComparison::incomplete of these
   TermPrices prices_;
   int num_fits_ = 0;
   bool unfitted_ = false;  // begun without terms, and without a fit

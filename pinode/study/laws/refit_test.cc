@@ -9,10 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/base/constants.h"
+#include "pinode/discover/term_prices.h"
 #include "pinode/integrate/rk4.h"
 #include "pinode/network/network.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/laws/term_rivals.h"
+#include "pinode/study/problem/inner_fit.h"
 #include "pinode/study/terms/discovered_problem.h"
 #include "pinode/study/terms/term_worth.h"
 #include "tests/support/gaussian_testing.h"
@@ -233,13 +236,48 @@ TEST_F(RefitTest, RivalHasTheOddsOfItsOwnRefit) {
               0.01);
 }
 
+// The odds of the sets that lack the term a, and the probability P(a), give the
+// weight w of a alone: 1 - P(a) = w times the sum of their odds. The other sets
+// that hold a have more terms.
+TEST_F(RefitTest, SetsWithMoreTermsHaveTheRestOfTheProbability) {
+  OfferInNoise(0.9);
+  Discovery discovery;
+  ASSERT_TRUE(Refit(&discovery)) << error_;
+  ASSERT_EQ(discovery.num_terms(), 1);
+  std::vector<DiscoveredEquation> equations = discovery.equations;
+  std::vector<int> substeps;
+  for (const IdentificationRecord& record : discovery.problem.records) {
+    substeps.push_back(record.substeps);
+  }
+  InnerFit inner;
+  RivalComparison comparison;
+  ASSERT_TRUE(CompareWithRivals(
+      {problem_, discovery.problem, discovery.summary, discovery.model,
+       substeps, discovery.equations},
+      DiscoveryOptions(),
+      TermPrices(NumFittedValues(problem_), discovery.equations), options_,
+      &inner, &equations, &comparison, &error_))
+      << error_;
+  const double probability = equations[0].terms[0].probability;
+  double odds = 0.0;
+  for (const TermRival& rival : comparison.rivals) {
+    odds += std::exp(rival.log_odds);
+  }
+  ASSERT_GT(odds, 0.1);
+  // Rivals with odds below 1 to 100 are not listed.
+  EXPECT_NEAR(comparison.incomplete, probability - (1.0 - probability) / odds,
+              0.03);
+  EXPECT_GT(comparison.incomplete, 0.02);
+}
+
 TEST_F(RefitTest, UncertainTermIsAFindingThatNamesItsRival) {
   equation_.terms[0].probability = 0.96;
   const std::vector<TermRival> rivals = {
       {{"u: x[u]^3"}, {"u: x[u]^5", "u: v[u]^3"}, -0.5, true}};
-  EXPECT_THAT(CheckTerms({equation_}, rivals, true), IsEmpty());
+  EXPECT_THAT(CheckTerms({equation_}, rivals, 0.0, true), IsEmpty());
   equation_.terms[0].probability = 0.62;
-  const std::vector<Finding> findings = CheckTerms({equation_}, rivals, true);
+  const std::vector<Finding> findings =
+      CheckTerms({equation_}, rivals, 0.0, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "uncertain_term");
   EXPECT_EQ(findings[0].what,
@@ -256,12 +294,34 @@ TEST_F(RefitTest, CandidateThatIsProbablyATermIsAFinding) {
   equation_.candidates[0].probability = 0.99;
   equation_.candidates[1].basis = "v[u]^3";
   equation_.candidates[1].probability = 0.4;
-  EXPECT_THAT(CheckTerms({equation_}, {}, true), IsEmpty());
+  EXPECT_THAT(CheckTerms({equation_}, {}, 0.0, true), IsEmpty());
   equation_.candidates[1].probability = 0.7;
-  const std::vector<Finding> findings = CheckTerms({equation_}, {}, true);
+  const std::vector<Finding> findings = CheckTerms({equation_}, {}, 0.0, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "missing_term");
   EXPECT_THAT(findings[0].what, ::testing::HasSubstr("u: v[u]^3 (70 %)"));
+  EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
+}
+
+// Noise may spread the probability of one weak term over many candidates.
+TEST_F(RefitTest, AnyTermThatMayBeMissingIsAFinding) {
+  equation_.terms[0].probability = 0.99;
+  equation_.candidates.resize(3);
+  equation_.candidates[0].basis = equation_.terms[0].basis;
+  equation_.candidates[0].probability = 0.99;
+  equation_.candidates[1].basis = "x[u]^5";
+  equation_.candidates[1].probability = 0.2;
+  equation_.candidates[2].basis = "v[u]^3";
+  equation_.candidates[2].probability = 0.3;
+  EXPECT_THAT(CheckTerms({equation_}, {}, 0.35, true), IsEmpty());
+  EXPECT_THAT(CheckTerms({equation_}, {}, kNaN, true), IsEmpty());
+  const std::vector<Finding> findings = CheckTerms({equation_}, {}, 0.47, true);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "missing_term");
+  EXPECT_EQ(findings[0].what,
+            "the equations may lack a term, which noise hides (47 %), such as "
+            "u: v[u]^3 (30 %), u: x[u]^5 (20 %)");
+  EXPECT_EQ(findings[0].number, 0.47);
   EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
 }
 
@@ -276,14 +336,14 @@ TEST_F(RefitTest, RivalOfAnUncertainTermIsNotMissing) {
   equation_.candidates[1].probability = 0.1;
   const std::vector<TermRival> rivals = {
       {{"u: x[u]^3"}, {"u: x[u]^5"}, 0.4, true}};
-  std::vector<Finding> findings = CheckTerms({equation_}, rivals, true);
+  std::vector<Finding> findings = CheckTerms({equation_}, rivals, 0.0, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_THAT(findings[0].what, HasSubstr("u: x[u]^3 or u: x[u]^5 (40 %)"));
   // At least 0.9 + 0.997 - 1 of the weight has both.
   equation_.terms[0].probability = 0.9;
   equation_.candidates[0].probability = 0.997;
   equation_.candidates[1].probability = 0.7;
-  findings = CheckTerms({equation_}, rivals, true);
+  findings = CheckTerms({equation_}, rivals, 0.0, true);
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[1].check, "missing_term");
   EXPECT_THAT(findings[1].what,
@@ -327,12 +387,13 @@ TEST_F(RefitTest, ComparisonTakesTheBetterTerms) {
   quintic.equations[0].terms[0].coefficient = 1e9;
   EXPECT_TRUE(compare(far).rivals.empty());
   EXPECT_TRUE(std::isnan(quintic.equations[0].terms[0].probability));
-  const std::vector<Finding> findings = CheckTerms(quintic.equations, {}, true);
+  const std::vector<Finding> findings =
+      CheckTerms(quintic.equations, {}, kNaN, true);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].check, "uncertain_term");
   EXPECT_THAT(findings[0].what, HasSubstr("could not be compared"));
   EXPECT_EQ(Verdict(findings).grade(), Grade::kWithCare);
-  EXPECT_THAT(CheckTerms(quintic.equations, {}, false), IsEmpty());
+  EXPECT_THAT(CheckTerms(quintic.equations, {}, kNaN, false), IsEmpty());
 }
 
 TEST_F(RefitTest, TermThatTheRecordShowsIsCertain) {

@@ -72,6 +72,7 @@ class TermComparison {
     if (!FitRivals(comparison)) return false;
     if (comparison->interrupted) return true;
     EnterProbabilities(equations);
+    comparison->incomplete = ProbabilityOfMore();
     comparison->rivals = Rivals();
     return true;
   }
@@ -228,6 +229,24 @@ class TermComparison {
     }
   }
 
+  // Returns the probability that there are terms beside the chosen ones.
+  double ProbabilityOfMore() const {
+    double total = 0.0;
+    double more = 0.0;
+    double least = 0.0;
+    for (const Structure& structure : structures_) {
+      least = std::min(least, structure.criterion);
+    }
+    for (const Structure& structure : structures_) {
+      const double weight = std::exp(-0.5 * (structure.criterion - least));
+      total += weight;
+      if (structure.support != chosen_ && !LacksChosen(structure.support)) {
+        more += weight;
+      }
+    }
+    return more / total;
+  }
+
   std::vector<TermRival> Rivals() const {
     constexpr double kSmallestOdds = 0.01;
     std::vector<TermRival> rivals;
@@ -314,14 +333,18 @@ double ProbabilityBeside(const std::string& name, double probability,
   return beside;
 }
 
-// Adds a finding if a candidate was left out although it is more likely a term
-// than not. The coefficients of the others then carry a part of its effect.
-void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
-                  const std::vector<UncertainTerm>& uncertain,
-                  std::vector<Finding>* findings) {
-  constexpr double kLikely = 0.5;
-  std::vector<std::string> named;
-  double most = 0.0;
+// Candidate that was left out.
+struct LeftOut {
+  std::string name;
+  double probability;
+  double beside;  // ProbabilityBeside
+};
+
+// Returns the candidates that were left out, the most likely first.
+std::vector<LeftOut> CandidatesLeftOut(
+    const std::vector<DiscoveredEquation>& equations,
+    const std::vector<UncertainTerm>& uncertain) {
+  std::vector<LeftOut> left_out;
   for (const DiscoveredEquation& equation : equations) {
     for (const DiscoveryCandidate& candidate : equation.candidates) {
       const bool is_term =
@@ -329,29 +352,71 @@ void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
                       [&candidate](const DiscoveredTerm& term) {
                         return term.basis == candidate.basis;
                       });
+      if (is_term || !std::isfinite(candidate.probability)) continue;
       const std::string name = equation.output + ": " + candidate.basis;
-      if (is_term || !(ProbabilityBeside(name, candidate.probability,
-                                         uncertain) > kLikely)) {
-        continue;
-      }
-      most = std::max(most, candidate.probability);
-      named.push_back(name + PercentAsText(candidate.probability));
+      left_out.push_back(
+          {name, candidate.probability,
+           ProbabilityBeside(name, candidate.probability, uncertain)});
     }
   }
-  if (named.empty()) return;
-  const bool one = named.size() == 1;
-  findings->push_back(
-      {"missing_term",
-       "the equations probably lack " +
-           (one ? std::string("a term, which noise hides: ")
-                : std::to_string(named.size()) +
-                      " terms, which noise hides: ") +
-           TheFirst(named),
-       most, kLikely,
-       std::string("keep in mind that the other coefficients carry ") +
-           (one ? "its effect" : "their effect") +
-           ", or measure larger amplitudes",
-       Grade::kWithCare});
+  std::stable_sort(
+      left_out.begin(), left_out.end(),
+      [](const LeftOut& a, const LeftOut& b) { return a.beside > b.beside; });
+  return left_out;
+}
+
+// Adds a finding if a candidate was left out although it is more likely a term
+// than not, or if all candidates together are likely to hold one. The
+// coefficients of the others then carry a part of its effect.
+void CheckLeftOut(const std::vector<DiscoveredEquation>& equations,
+                  const std::vector<UncertainTerm>& uncertain,
+                  double incomplete, std::vector<Finding>* findings) {
+  constexpr double kLikely = 0.5;
+  // Noise that hides a weak term spreads its probability over many candidates.
+  // In 50 draws of the chain at 10 % noise, 11 lacked a term and were good.
+  // `incomplete` was 0.26, 0.34, and from 0.44 to 0.99 there. In 20 exact draws
+  // at 5 % noise it was 0.12 to 0.35, and once 0.56. In 10 exact draws of
+  // Duffing's equation at 10 % noise it was 0.03 to 0.24.
+  constexpr double kIncomplete = 0.4;
+  constexpr double kWorthNaming = 0.05;
+  std::vector<std::string> probable;
+  std::vector<std::string> possible;
+  for (const LeftOut& candidate : CandidatesLeftOut(equations, uncertain)) {
+    const std::string text =
+        candidate.name + PercentAsText(candidate.probability);
+    if (candidate.beside > kLikely) probable.push_back(text);
+    if (candidate.beside > kWorthNaming) possible.push_back(text);
+  }
+  if (probable.empty() && !(incomplete > kIncomplete)) return;
+  Finding finding;
+  finding.check = "missing_term";
+  finding.grade = Grade::kWithCare;
+  const bool one = probable.size() == 1;
+  if (!probable.empty()) {
+    finding.what = "the equations probably lack " +
+                   (one ? std::string("a term, which noise hides: ")
+                        : std::to_string(probable.size()) +
+                              " terms, which noise hides: ") +
+                   TheFirst(probable);
+    finding.number = 0.0;
+    for (const LeftOut& candidate : CandidatesLeftOut(equations, uncertain)) {
+      if (candidate.beside > kLikely) {
+        finding.number = std::max(finding.number, candidate.probability);
+      }
+    }
+    finding.limit = kLikely;
+  } else {
+    finding.what = "the equations may lack a term, which noise hides" +
+                   PercentAsText(incomplete) +
+                   (possible.empty() ? "" : ", such as " + TheFirst(possible));
+    finding.number = incomplete;
+    finding.limit = kIncomplete;
+  }
+  finding.advice =
+      std::string("keep in mind that the other coefficients carry ") +
+      (one || probable.empty() ? "its effect" : "their effect") +
+      ", or measure larger amplitudes";
+  findings->push_back(std::move(finding));
 }
 
 // Adds a finding if the comparison gave no probability. Without a comparison
@@ -387,7 +452,7 @@ bool CompareWithRivals(const RivalInput& input, const DiscoveryOptions& options,
 
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
-    const std::vector<TermRival>& rivals, bool searched) {
+    const std::vector<TermRival>& rivals, double incomplete, bool searched) {
   std::vector<Finding> findings;
   std::vector<std::string> named;
   std::vector<UncertainTerm> uncertain;
@@ -416,7 +481,7 @@ std::vector<Finding> CheckTerms(
          Grade::kWithCare});
   }
   if (searched) CheckCompared(equations, &findings);
-  CheckLeftOut(equations, uncertain, &findings);
+  CheckLeftOut(equations, uncertain, incomplete, &findings);
   return findings;
 }
 

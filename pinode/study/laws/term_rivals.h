@@ -4,6 +4,7 @@
 #ifndef PINODE_STUDY_LAWS_TERM_RIVALS_H_
 #define PINODE_STUDY_LAWS_TERM_RIVALS_H_
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ struct RivalComparison {
   // The rivals that lack a chosen term, most likely first, with odds of at
   // least 1 to 100.
   std::vector<TermRival> rivals;
+  // Probability that there are terms beside the chosen ones. NaN: not compared.
+  double incomplete = std::numeric_limits<double>::quiet_NaN();
   double memory = 1.0;  // autocorrelation time of the residuals
   // Rival that is better, from which a fit begins; empty: none.
   std::vector<DiscoveredEquation> better;
@@ -64,11 +67,13 @@ struct RivalComparison {
     RivalComparison* comparison, std::string* error);
 
 // Returns a finding if a chosen term is uncertain, which names the terms and
-// their rivals, and one if a candidate that was left out is probably a term. If
-// `searched`, a term without a probability is uncertain too.
+// their rivals, and one if a candidate that was left out is probably a term.
+// The latter comes too if `incomplete`, the probability that there are more
+// terms, exceeds 40 %. If `searched`, a term without a probability is uncertain
+// too.
 std::vector<Finding> CheckTerms(
     const std::vector<DiscoveredEquation>& equations,
-    const std::vector<TermRival>& rivals, bool searched);
+    const std::vector<TermRival>& rivals, double incomplete, bool searched);
 
 }  // namespace pinode
 

@@ -13,6 +13,7 @@ but the mass. A line per system and noise says
 - certain false: draws that call a false term certain: the verdict is good, or
   the term's probability at least 95 %,
 - with care: exact draws, and others, with this verdict,
+- good: draws that miss a term or have a false one, and are called good,
 - worst: median over exact draws of the largest relative error of a coefficient,
 - holds: intervals of the exact draws that hold the true coefficient,
 - seconds: median and largest time of a run.
@@ -148,6 +149,7 @@ def run(program, name, noise, draw):
                 result.get("verdict") == "good"
                 or any((found[key].get("probability") or 0.0) >= 0.95 for key in false)),
             "care": result.get("verdict") == "with_care",
+            "good": result.get("verdict") == "good",
             "terms": [(term.get("probability"), key in truth)
                       for key, term in found.items()],
             "worst": max(errors, default=np.nan), "held": held, "intervals": intervals,
@@ -175,7 +177,7 @@ def main():
     parser.add_argument("--verbose", action="store_true")
     options = parser.parse_args()
     print("system, noise %: exact; missed, false terms; certain false; with care: exact,"
-          " others; worst, % ; holds; seconds, median and largest", flush=True)
+          " others; good: others; worst, % ; holds; seconds, median and largest", flush=True)
     terms = []
     for name in options.systems.split(","):
         for noise in map(float, options.noise.split(",")):
@@ -193,7 +195,8 @@ def main():
                   f"{sum(len(d['false']) for d in draws)}; "
                   f"{sum(d['certain'] for d in draws)}; "
                   f"{sum(d['care'] for d in exact)}, "
-                  f"{sum(d['care'] for d in draws) - sum(d['care'] for d in exact)}; {worst:.2g}; "
+                  f"{sum(d['care'] for d in draws) - sum(d['care'] for d in exact)}; "
+                  f"{sum(d['good'] for d in draws) - sum(d['good'] for d in exact)}; {worst:.2g}; "
                   f"{sum(d['held'] for d in exact)} of {sum(d['intervals'] for d in exact)}; "
                   f"{np.median(seconds):.1f}, {max(seconds):.1f}", flush=True)
     print_calibration(terms)
