@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/dynamics/products.h"
 #include "pinode/dynamics/structural_dynamics.h"
 #include "tests/support/dynamics_testing.h"
@@ -120,6 +121,18 @@ void FixEverySecond(ParameterBlock* block) {
 TEST(Term, EveryOneAloneAgreesWithJetsAndDifferences) {
   const auto all = testing::MakeEverything();
   for (int i = 0; i < all->num_terms(); ++i) CheckTerm(all->term(i).Clone());
+}
+
+TEST(Term, NetworkWithMemory) {
+  MemoryNetworkShape shape;
+  shape.sliders = 2;
+  shape.width = 3;
+  const Vector weights = MemoryNetwork(shape).DrawWeights(5);
+  const int n = testing::MakeEverything()->num_dofs();
+  CheckTerm(MakeTerm(MakeMemoryNetwork(
+      "memory", shape,
+      {Feature::Deformation(0, 1), Feature::DeformationRate(0, 1)}, n, weights,
+      1.0)));
 }
 
 TEST(Term, SomeParametersFixed) {

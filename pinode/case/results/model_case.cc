@@ -13,6 +13,7 @@
 #include "pinode/case/sections/force_scale_section.h"
 #include "pinode/case/sections/model_section.h"
 #include "pinode/case/text/toml_value.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/structure/matrices/matrix_io.h"
 
 namespace pinode {
@@ -171,7 +172,8 @@ class ModelCaseWriter {
   bool SetElements() {
     for (size_t j = 0; j < dynamics_.laws().size(); ++j) {
       const LawTerm& term = dynamics_.laws()[j];
-      if (term.type == "library") break;  // these follow the elements
+      // These follow the elements.
+      if (term.type == "library" || term.type == kMemoryNetworkType) break;
       TomlValue& table = root_.Find("element")->elements[j];
       MovePath(&table);
       TomlValue* parameters = table.Find("parameters");
@@ -233,16 +235,38 @@ class ModelCaseWriter {
     return true;
   }
 
-  // The files describe the networks.
+  // The files describe the networks; those with memory hold their weights.
   void SetNetworks() {
-    for (size_t j = 0; j < dynamics_.networks().size(); ++j) {
-      TomlValue& table = root_.Find("network")->elements[j];
+    if (root_.Find("network") == nullptr) return;
+    size_t j = 0;
+    for (TomlValue& table : root_.Find("network")->elements) {
+      if (table.Find("memory") != nullptr) {
+        SetMemory(&table);
+        continue;
+      }
       for (const char* key : {"layers", "activation", "bias", "skip", "gauge",
                               "input_scale", "output_scale"}) {
         table.Erase(key);
       }
       table.Set("weights",
                 TomlValue::String(NetworkFileName(dynamics_.networks()[j])));
+      ++j;
+    }
+  }
+
+  void SetMemory(TomlValue* table) const {
+    for (const LawTerm& term : dynamics_.laws()) {
+      const MemoryNetwork* network = AsMemoryNetwork(term);
+      if (network == nullptr || term.name != table->Find("name")->text) {
+        continue;
+      }
+      const MemoryNetworkShape& shape = network->shape();
+      const Vector values = term.parameters.Values();
+      table->Erase("seed");
+      table->Set("input_scale",
+                 TomlValue::Numbers({shape.deformation, shape.rate}));
+      table->Set("output_scale", TomlValue::Numbers({shape.force}));
+      table->Set("values", TomlValue::Numbers({values.begin(), values.end()}));
     }
   }
 

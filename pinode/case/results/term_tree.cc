@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pinode/dynamics/library_function.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/study/terms/discovered_problem.h"
 
 namespace pinode {
@@ -172,6 +173,7 @@ TomlValue TreeAfterChoice(TomlValue tree, const StructuralDynamics& dynamics,
   size_t element = 0;
   size_t library = 0;
   for (const LawTerm& law : dynamics.laws()) {
+    if (law.type == kMemoryNetworkType) continue;
     const bool is_library = law.type == "library";
     TomlValue table = tree.Find(is_library ? "library" : "element")
                           ->elements[is_library ? library++ : element++];

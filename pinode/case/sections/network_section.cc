@@ -8,6 +8,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/feature_text.h"
+#include "pinode/case/sections/memory_network_section.h"
 #include "pinode/case/sections/terms_section.h"
 #include "pinode/case/text/parameter_keys.h"
 #include "pinode/dynamics/spanned_terms.h"
@@ -280,6 +281,15 @@ bool ReadNetworks(const TomlTable& root, const TermsContext& context,
     if (!seen.insert(term.name).second) {
       return table.Fail("name",
                         "this name is used twice, expected different names");
+    }
+    if (table.Has("memory")) {
+      if (!ReadMemoryNetwork(table, term.name, context, dynamics)) return false;
+      continue;
+    }
+    if (table.Has("values")) {
+      return table.Fail("values",
+                        "'values' are the weights of a network with 'memory'; "
+                        "give 'memory', or a file of 'weights'");
     }
     if (!NetworkReader(table, context, *dynamics).Read(&term)) return false;
     std::string error;

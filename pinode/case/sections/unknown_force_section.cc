@@ -397,7 +397,12 @@ void SpreadNetworksOfTime(const TomlTable& root,
     begin = std::min(begin, record.excitation->time(0));
     end = std::max(end, record.excitation->time(record.num_samples() - 1));
   }
-  const std::vector<TomlTable> tables = root.Tables("network");
+  std::vector<TomlTable> tables = root.Tables("network");
+  // Networks with memory are laws.
+  tables.erase(std::remove_if(
+                   tables.begin(), tables.end(),
+                   [](const TomlTable& table) { return table.Has("memory"); }),
+               tables.end());
   Vector theta = dynamics->Parameters();
   for (size_t j = 0; j < dynamics->networks().size(); ++j) {
     const NetworkTerm& term = dynamics->networks()[j];

@@ -486,6 +486,11 @@ CaseTable NetworkKeys() {
            "element spans the inputs. See \"The gauge\"."},
           {"decay", "\"evidence\" or \"none\" or number", "", "by the evidence",
            "Weight decay."},
+          {"memory", "whole number", "1 to 4", "none",
+           "Sliders with a state of their own, for a device with hysteresis. "
+           "It then never gives energy. See \"Networks with memory\"."},
+          {"values", "numbers", "one per weight", "seeded",
+           "Weights of a network with memory, as `model.toml` has them."},
           {"seed", "whole number", "", "that of `[options]`",
            "Seed of the initial weights."},
           {"weights", "text", "a file",

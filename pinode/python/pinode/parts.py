@@ -442,11 +442,13 @@ class Network(Part):
     layers: widths of the hidden layers. Default: [20]. [] is a linear map.
     activation: "tanh" (default), "sigmoid", "relu", "softplus", "sine", ...
     acts_as: as for Library.
+    memory: number of sliders with a state of their own, 1 to 4, for a device with hysteresis.
     seed: seed of the initial weights.
     """
 
     @takes(name=TEXT, inputs=NAMES, outputs=NAMES, layers=VALUES, activation=TEXT,
-           acts_as=_ACTS_AS, seed=WHOLE, input_scale=VALUES, output_scale=VALUES, bias=FLAG,
+           acts_as=_ACTS_AS, memory=WHOLE, values=VALUES, seed=WHOLE, input_scale=VALUES,
+           output_scale=VALUES, bias=FLAG,
            skip=either(FLAG, TEXT), gauge=ANY, decay=NUMBER, weights=ANY, free=FLAG, truth=ANY)
     def __init__(
         self,
@@ -457,6 +459,7 @@ class Network(Part):
         layers: Sequence[int] | None = None,
         activation: str | None = None,
         acts_as: str | None = None,
+        memory: int | None = None,
         seed: int | None = None,
         **keys: Any,
     ) -> None:
@@ -467,6 +470,7 @@ class Network(Part):
             layers=as_list(layers),
             activation=activation,
             acts_as=acts_as,
+            memory=memory,
             seed=seed,
             **keys,
         )

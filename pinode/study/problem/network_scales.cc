@@ -3,11 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "pinode/base/logging.h"
 #include "pinode/base/power_of_two.h"
 #include "pinode/base/statistics.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
@@ -121,11 +123,55 @@ bool IsToBeScaled(const NetworkTerm& term) {
                         architecture.output_scale.size() == 0);
 }
 
+bool HasMemoryToScale(const LawTerm& term) {
+  const MemoryNetwork* network = AsMemoryNetwork(term);
+  return network != nullptr && !network->shape().HasScales();
+}
+
+// Returns the term with the scales that it lacks.
+LawTerm WithScales(LawTerm term, const MotionSizes& sizes, const Vector& shape,
+                   const Matrix& mass) {
+  MemoryNetworkShape scaled = AsMemoryNetwork(term)->shape();
+  const auto set = [](double size, double* scale) {
+    if (*scale > 0.0) return;
+    *scale = size > 0.0 && std::isfinite(size) ? size : 1.0;
+  };
+  set(SizeOf(term.features[0], sizes, shape), &scaled.deformation);
+  set(SizeOf(term.features[1], sizes, shape), &scaled.rate);
+  const Vector weights = term.outputs.col(0).cwiseAbs();
+  set(sizes.acceleration() * weights.dot(mass.diagonal()) / weights.sum(),
+      &scaled.force);
+  term.law = std::make_shared<MemoryNetwork>(scaled);
+  return term;
+}
+
+// Sets the scales that the networks with memory lack.
+void ScaleMemory(const MotionSizes& sizes, const Vector& shape,
+                 StructuralDynamics* dynamics) {
+  StructuralDynamics scaled(dynamics->model(), dynamics->inputs());
+  std::string error;
+  size_t law = 0;
+  for (int t = 0; t < dynamics->num_terms(); ++t) {
+    std::unique_ptr<Term> term = dynamics->term(t).Clone();
+    if (term->kind() == TermKind::kLaw) {
+      const LawTerm& described = dynamics->laws()[law++];
+      if (HasMemoryToScale(described)) {
+        term = MakeTerm(
+            WithScales(described, sizes, shape, dynamics->model().mass));
+      }
+    }
+    CHECK(scaled.AddTerm(std::move(term), &error)) << error;
+  }
+  *dynamics = std::move(scaled);
+}
+
 }  // namespace
 
 bool HasNetworksToScale(const StructuralDynamics& dynamics) {
   const auto& networks = dynamics.networks();
-  return std::any_of(networks.begin(), networks.end(), IsToBeScaled);
+  const auto& laws = dynamics.laws();
+  return std::any_of(networks.begin(), networks.end(), IsToBeScaled) ||
+         std::any_of(laws.begin(), laws.end(), HasMemoryToScale);
 }
 
 void ScaleNetworks(const IdentificationProblem& problem,
@@ -139,8 +185,12 @@ void ScaleNetworks(const IdentificationProblem& problem,
   if (!(sizes.displacement > kNoMotion) || !(sizes.velocity > kNoMotion)) {
     return;
   }
+  const Vector shape = LowestMode(dynamics->model());
+  const auto& laws = dynamics->laws();
+  if (std::any_of(laws.begin(), laws.end(), HasMemoryToScale)) {
+    ScaleMemory(sizes, shape, dynamics);
+  }
   const StructuralModel& model = dynamics->model();
-  const Vector shape = LowestMode(model);
   for (size_t j = 0; j < dynamics->networks().size(); ++j) {
     const NetworkTerm& term = dynamics->networks()[j];
     if (!IsToBeScaled(term)) continue;
