@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
@@ -39,24 +40,46 @@ double Cubic(const Vector& values, Eigen::Index first, Eigen::Index size,
   return sum;
 }
 
-// Returns the mean square error of the interpolation of gaps of `size` samples,
-// tried on all stretches without gaps; NaN if there are none.
-double MeanSquareError(const Vector& values, Eigen::Index size) {
-  double sum = 0.0;
-  Eigen::Index count = 0;
-  Eigen::Index present = 0;  // samples before i + 1 without a gap
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    present = std::isnan(values[i]) ? 0 : present + 1;
-    if (present < size + 4) continue;
-    const Eigen::Index first = i - size - 1;
-    for (Eigen::Index k = 0; k < size; ++k) {
-      const double error = Cubic(values, first, size, k) - values[first + k];
-      sum += error * error;
-      ++count;
+// Mean square errors of the interpolation of gaps of one size, tried on all
+// stretches without gaps.
+class Trials {
+ public:
+  Trials(const Vector& values, Eigen::Index size)
+      : errors_(Vector::Zero(values.size() + 1)),
+        counts_(Vector::Zero(values.size() + 1)) {
+    Eigen::Index present = 0;  // samples up to i without a gap
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      present = std::isnan(values[i]) ? 0 : present + 1;
+      errors_[i + 1] = errors_[i];
+      counts_[i + 1] = counts_[i];
+      if (present < size + 4) continue;
+      const Eigen::Index first = i - size - 1;
+      for (Eigen::Index k = 0; k < size; ++k) {
+        const double error = Cubic(values, first, size, k) - values[first + k];
+        errors_[i + 1] += error * error;
+      }
+      counts_[i + 1] += static_cast<double>(size);
     }
   }
-  return count > 0 ? sum / static_cast<double>(count) : kNaN;
-}
+
+  // Returns the error near a sample, for a load is quiet at one time and strong
+  // at another. If nothing can be tried there: that of the whole signal; NaN if
+  // it has no complete stretch.
+  double MeanSquareError(Eigen::Index sample) const {
+    constexpr Eigen::Index kAround = 50;
+    const Eigen::Index last = errors_.size() - 1;
+    const Eigen::Index from = std::max<Eigen::Index>(0, sample - kAround);
+    const Eigen::Index to = std::min(last, sample + kAround);
+    const double count = counts_[to] - counts_[from];
+    if (count > 0.0) {
+      return std::max(0.0, errors_[to] - errors_[from]) / count;
+    }
+    return counts_[last] > 0.0 ? errors_[last] / counts_[last] : kNaN;
+  }
+
+ private:
+  Vector errors_, counts_;  // sums over the trials that end before a sample
+};
 
 double Variance(const Vector& values) {
   const double deviation = StandardDeviationOfPresent(values);
@@ -70,23 +93,24 @@ ShortGaps FillShortGaps(Vector* values) {
   const Vector before = *values;
   ShortGaps filled;
   double error = 0.0;  // sum of squares
-  std::array<double, kMostShortGap> errors;
-  errors.fill(-1.0);
+  std::array<std::optional<Trials>, kMostShortGap> trials;
   for (const Gap& gap : FindGaps(before)) {
     if (gap.size > kMostShortGap ||
         !HasNeighbours(before, gap.first, gap.size)) {
       continue;
     }
-    double& one = errors[static_cast<size_t>(gap.size - 1)];
-    if (one < 0.0) one = MeanSquareError(before, gap.size);
-    error += one * static_cast<double>(gap.size);
+    std::optional<Trials>& tried = trials[static_cast<size_t>(gap.size - 1)];
+    if (!tried.has_value()) tried.emplace(before, gap.size);
+    error += tried->MeanSquareError(gap.first) * static_cast<double>(gap.size);
     for (Eigen::Index k = 0; k < gap.size; ++k) {
       (*values)[gap.first + k] = Cubic(before, gap.first, gap.size, k);
     }
     filled.num_samples += gap.size;
     filled.longest = std::max<Eigen::Index>(filled.longest, gap.size);
   }
-  if (filled.num_samples > 0) {
+  // A constant signal is interpolated without any error.
+  filled.error = error;
+  if (error > 0.0) {
     filled.error = std::sqrt(error / static_cast<double>(values->size()) /
                              Variance(before));
   }

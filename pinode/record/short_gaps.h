@@ -24,8 +24,8 @@ constexpr Eigen::Index kMostShortGap = 3;
 // Interpolates gaps of up to kMostShortGap samples (NaN) between two present
 // samples on each side: by the cubic through these four. Other gaps stay.
 //
-// The error is measured, not assumed: complete stretches of the same signal are
-// interpolated likewise and compared with what was recorded there.
+// The error is measured, not assumed: complete stretches of the signal near
+// each gap are interpolated likewise and compared with what was recorded there.
 ShortGaps FillShortGaps(Vector* values);
 
 }  // namespace pinode

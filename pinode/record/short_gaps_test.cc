@@ -61,10 +61,33 @@ TEST(ShortGapsTest, OtherGapsStay) {
               std::isnan(values[101]));
 }
 
+// Samples are missing where the signal is strong, a tenth of the time.
+TEST(ShortGapsTest, ErrorIsThatOfTheStrongPart) {
+  Vector whole = Sine();
+  whole.head(1800) *= 0.01;
+  Vector values = whole;
+  for (Eigen::Index i = 1810; i < 1990; i += 20) values[i] = kNaN;
+  const ShortGaps filled = FillShortGaps(&values);
+  const double truth = (values - whole).norm() / whole.norm();
+  EXPECT_GT(filled.error, 0.5 * truth);
+  EXPECT_LT(filled.error, 2.0 * truth);
+}
+
+TEST(ShortGapsTest, ConstantSignal) {
+  Vector values = Vector::Constant(100, 2.0);
+  values[50] = kNaN;
+  const ShortGaps filled = FillShortGaps(&values);
+  EXPECT_EQ(filled.num_samples, 1);
+  EXPECT_LT(filled.error, 1e-12);
+  EXPECT_NEAR(values[50], 2.0, 1e-14);
+}
+
 TEST(ShortGapsTest, NothingToTryItOn) {
   Vector values = Vector::Zero(5);
   values[2] = kNaN;
-  EXPECT_EQ(FillShortGaps(&values).num_samples, 1);
+  const ShortGaps filled = FillShortGaps(&values);
+  EXPECT_EQ(filled.num_samples, 1);
+  EXPECT_TRUE(std::isnan(filled.error));
   Vector empty;
   EXPECT_EQ(FillShortGaps(&empty).num_samples, 0);
 }

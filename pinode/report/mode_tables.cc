@@ -1,5 +1,6 @@
 #include "pinode/report/mode_tables.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -57,13 +58,21 @@ TextTable MakeModalMassTable(const ReportInput& input) {
   constexpr int kMostRows = 20;
   const double hz = input.problem->description.HzPerModelFrequency();
   Vector sum = Vector::Zero(static_cast<Eigen::Index>(directions.size()));
-  int number = 0;
+  // The initial order is another one if modes have changed places.
+  std::vector<const ModePair*> modes;
   for (const ModePair& mode : input.prior.modes) {
-    ++number;
-    if (mode.updated_mass_shares.size() != sum.size()) continue;
+    if (mode.updated_mass_shares.size() == sum.size()) modes.push_back(&mode);
+  }
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const ModePair* a, const ModePair* b) {
+                     return a->updated_frequency < b->updated_frequency;
+                   });
+  for (const ModePair* at : modes) {
+    const ModePair& mode = *at;
     sum += mode.updated_mass_shares;
     std::vector<std::string> row = {
-        std::to_string(number), ReadableNumber(hz * mode.updated_frequency, 5)};
+        std::to_string(mode.updated_mode + 1),
+        ReadableNumber(hz * mode.updated_frequency, 5)};
     for (Eigen::Index d = 0; d < sum.size(); ++d) {
       row.push_back(PercentText(mode.updated_mass_shares[d]));
       row.push_back(PercentText(sum[d]));

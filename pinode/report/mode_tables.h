@@ -13,8 +13,9 @@ namespace pinode {
 // updated model.
 TextTable MakeModeTable(const ReportInput& input);
 
-// Returns the effective mass of the updated model's modes, for each direction
-// of ground motion: in per cent of the moving mass, and summed from the first
+// Returns the effective mass of the updated model's modes, in the order of
+// their frequencies and with their numbers in that model. For each direction of
+// ground motion it is in per cent of the moving mass, and summed from the first
 // mode on. The table ends with the mode at which the sum reaches 99.9 %, or
 // after 20 modes. Empty: no ground motion, or no modes.
 TextTable MakeModalMassTable(const ReportInput& input);

@@ -67,8 +67,11 @@ TEST(ModeTables, ModalMassesAndTheirSums) {
   ASSERT_EQ(example->problem.dynamics->model().num_directions(), 1);
   example->input.prior.modes.assign(4, ModePair());
   const std::vector<double> shares = {0.85, 0.12, 0.03, 0.0};
+  // The first two have changed places.
+  const std::vector<size_t> places = {1, 0, 2, 3};
   for (size_t i = 0; i < shares.size(); ++i) {
-    ModePair& mode = example->input.prior.modes[i];
+    ModePair& mode = example->input.prior.modes[places[i]];
+    mode.updated_mode = static_cast<int>(i);
     mode.updated_frequency = 2.0 + static_cast<double>(i);
     mode.updated_mass_shares = Vector::Constant(1, shares[i]);
   }

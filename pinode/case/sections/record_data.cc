@@ -194,9 +194,9 @@ class RecordDataReader {
     return true;
   }
 
-  // Who asks for new samples has them interpolated. Missing ones of a load,
-  // such as a logger drops now and then, are treated alike, as long as this
-  // adds little to the load.
+  // Interpolates short gaps of loads. A record that is resampled is
+  // interpolated anyhow, and samples that its logger dropped are too, while
+  // this adds little to the load.
   bool FillGapsOfLoads() {
     for (const InputSection& input : section_.inputs) {
       if (input.spec.kind == InputSpec::Kind::kCovariate) continue;
@@ -207,21 +207,28 @@ class RecordDataReader {
       const ShortGaps filled = FillShortGaps(&channel->values);
       if (filled.num_samples == 0) continue;
       const std::string number = std::to_string(filled.num_samples);
-      if (!(filled.error <= kMostInterpolated)) {
+      if (std::isnan(filled.error)) {
+        return table_.Fail(
+            "resample_hz",
+            "the excitation '" + input.signal.label +
+                "' misses samples and has no complete stretch on which their "
+                "interpolation can be tried; use a window without gaps");
+      }
+      if (filled.error > kMostInterpolated) {
         return table_.Fail(
             "resample_hz",
             "the excitation '" + input.signal.label + "' misses " + number +
-                " single samples, and its interpolation would add an error "
-                "of " +
+                " samples in gaps of at most " + std::to_string(kMostShortGap) +
+                ", and their interpolation would add an error of " +
                 FormatNumber(100.0 * filled.error, 2) +
                 " % to it, expected at most 1 %; use a window without gaps");
       }
       record_->description.remarks.push_back(
           input.signal.label + ": " + number + " missing samples, at most " +
           std::to_string(filled.longest) +
-          " in a row, are interpolated; on complete stretches of the signal "
-          "the interpolation errs by as much as would add " +
-          FormatNumber(100.0 * filled.error, 2) + " % to the signal.");
+          " in a row, are interpolated. Tried on complete stretches near "
+          "them, this adds an error of " +
+          FormatNumber(100.0 * filled.error, 2) + " % to the load.");
     }
     return true;
   }
