@@ -81,9 +81,12 @@ class Trials {
   Vector errors_, counts_;  // sums over the trials that end before a sample
 };
 
+// Returns the variance; that of rounding, at least, for a constant signal.
 double Variance(const Vector& values) {
   const double deviation = StandardDeviationOfPresent(values);
-  return deviation * deviation;
+  const double rounding =
+      1e-12 * values.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
+  return deviation * deviation + rounding * rounding;
 }
 
 }  // namespace
@@ -108,7 +111,7 @@ ShortGaps FillShortGaps(Vector* values) {
     filled.num_samples += gap.size;
     filled.longest = std::max<Eigen::Index>(filled.longest, gap.size);
   }
-  // A constant signal is interpolated without any error.
+  // Zero stays zero.
   filled.error = error;
   if (error > 0.0) {
     filled.error = std::sqrt(error / static_cast<double>(values->size()) /
