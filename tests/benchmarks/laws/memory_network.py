@@ -1,4 +1,4 @@
-"""A device that nobody can name: a network with memory beside two others.
+"""A device of unknown law: a network with memory beside two others.
 
     memory_network.py PINODE_UPDATE [--draws=3] [--noise=3] [--sliders=1] [--width=6]
 
