@@ -11,6 +11,7 @@
 #include "pinode/discover/ensemble.h"
 #include "pinode/discover/network_outputs.h"
 #include "pinode/discover/output_regression.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/network/network.h"
 
 namespace pinode {
@@ -106,6 +107,13 @@ bool CheckOptions(const StructuralDynamics& dynamics,
                   const DiscoveryOptions& options, std::string* error) {
   if (!options.IsValid(error)) return false;
   if (dynamics.networks().empty()) {
+    for (const LawTerm& term : dynamics.laws()) {
+      if (AsMemoryNetwork(term) == nullptr) continue;
+      *error = "'" + term.name +
+               "' is a network with memory, which discovery does not replace. "
+               "Add a network without 'memory'";
+      return false;
+    }
     *error =
         "the model has no network. Terms are looked for where a network acts: "
         "add one at the DOFs that the unknown law may act on";

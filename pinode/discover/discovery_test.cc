@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/network/network.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/structural_model.h"
@@ -225,6 +226,18 @@ TEST_F(DiscoverFromNetwork, RefusesWhatCannotBe) {
   EXPECT_FALSE(
       DiscoverFromNetworks(problem_, model_, options_, &equations_, &error_));
   EXPECT_THAT(error_, HasSubstr("not finite"));
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      problem_.dynamics->model(), std::vector<InputSpec>());
+  const MemoryNetworkShape shape;
+  ASSERT_TRUE(dynamics->AddLaw(
+      MakeMemoryNetwork("device", shape,
+                        {Feature::Displacement(0), Feature::Velocity(0)}, 2,
+                        MemoryNetwork(shape).DrawWeights(1), 3.0),
+      &error_));
+  problem_.dynamics = dynamics;
+  EXPECT_FALSE(
+      DiscoverFromNetworks(problem_, model_, options_, &equations_, &error_));
+  EXPECT_THAT(error_, HasSubstr("'device' is a network with memory"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace pinode {
 // Law and its place in the structure.
 struct LawTerm {
   std::string name;
-  // Element type, "library" (a sum of functions, see LibraryLaw) or "user".
+  // Element type, "library" (see LibraryLaw), "memory_network" or "user".
   std::string type;
   // Text that distinguishes a user's law from others. May be empty.
   std::string identity;

@@ -6,7 +6,11 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "pinode/base/strings.h"
 
 namespace pinode {
 namespace {
@@ -102,20 +106,22 @@ void Evaluate(const MemoryNetworkShape& shape, const T* q, const T* z,
 
 bool MemoryNetworkShape::IsValid(std::string* error) const {
   if (sliders < 1 || sliders > MemoryNetwork::kMostSliders) {
-    *error = "a network with " + std::to_string(sliders) +
-             " hidden sliders, expected 1 to " +
+    *error = "'memory' is " + std::to_string(sliders) + ", expected 1 to " +
              std::to_string(MemoryNetwork::kMostSliders);
     return false;
   }
   if (width < 1 || width > MemoryNetwork::kMostUnits) {
     *error = "a network with memory has " + std::to_string(width) +
-             " units, expected 1 to " +
+             " hidden units, expected 1 to " +
              std::to_string(MemoryNetwork::kMostUnits);
     return false;
   }
-  for (const double scale : {deformation, rate, force}) {
+  for (const auto& [name, scale] :
+       {std::pair("deformation", deformation), std::pair("rate", rate),
+        std::pair("force", force)}) {
     if (!(scale >= 0.0) || !std::isfinite(scale)) {
-      *error = "a scale of the network is " + std::to_string(scale) +
+      *error = std::string("the ") + name +
+               " scale of a network with memory is " + FormatNumber(scale, 3) +
                ", expected a positive number";
       return false;
     }
@@ -295,6 +301,22 @@ LawTerm MakeMemoryNetwork(const std::string& name,
 
 const MemoryNetwork* AsMemoryNetwork(const LawTerm& term) {
   return dynamic_cast<const MemoryNetwork*>(term.law.get());
+}
+
+bool HasMemoryNetwork(const StructuralDynamics& dynamics) {
+  const auto& laws = dynamics.laws();
+  return std::any_of(laws.begin(), laws.end(), AsMemoryNetwork);
+}
+
+bool HasFreeMemoryNetwork(const StructuralDynamics& dynamics) {
+  const auto& laws = dynamics.laws();
+  return std::any_of(laws.begin(), laws.end(), [](const LawTerm& term) {
+    const std::vector<Parameter>& weights = term.parameters.parameters;
+    return AsMemoryNetwork(term) != nullptr &&
+           std::any_of(
+               weights.begin(), weights.end(),
+               [](const Parameter& parameter) { return parameter.free; });
+  });
 }
 
 }  // namespace pinode

@@ -1,4 +1,4 @@
-// A network with a memory of its own, for devices whose law nobody can name.
+// A network with a memory of its own, for devices of unknown law.
 
 #ifndef PINODE_DYNAMICS_MEMORY_NETWORK_H_
 #define PINODE_DYNAMICS_MEMORY_NETWORK_H_
@@ -10,6 +10,7 @@
 #include "pinode/base/types.h"
 #include "pinode/dynamics/law.h"
 #include "pinode/dynamics/law_term.h"
+#include "pinode/dynamics/structural_dynamics.h"
 
 namespace pinode {
 
@@ -52,10 +53,11 @@ struct MemoryNetworkShape {
 //
 // For all weights the work force * w minus dPsi/dt is not negative: each r_i
 // and chi^2 is positive, and the springs only soften as e grows. The device
-// therefore never gives more energy than it has taken up. The form is that of
-// a material with internal variables (B. Halphen and Q. S. Nguyen 1975), with
-// a network for the flow. Bouc-Wen's law with n = 1 is the case r = |y| times
-// a function of the sign of y s.
+// therefore never gives more energy than it has taken up, beyond what its
+// springs held at the start of the record (nothing at rest). The form is that
+// of a material with internal variables (B. Halphen and Q. S. Nguyen 1975),
+// with a network for the flow. Bouc-Wen's law with n = 1 is the case r = |y|
+// times a function of the sign of y s.
 //
 // Parameters, in this order: kappa, a, t (m each), chi, b (width), W (width x
 // (m + 3), by columns), c (m), V (m x width, by columns).
@@ -70,6 +72,8 @@ class MemoryNetwork final : public Law {
 
   // The shape as it was given.
   const MemoryNetworkShape& shape() const { return given_; }
+  // The shape with the scales in use: those that were not known are 1.
+  const MemoryNetworkShape& scaled_shape() const { return shape_; }
   int num_features() const override { return 2; }
   int num_internal() const override { return shape_.sliders + 1; }
   int num_parameters() const override;
@@ -106,6 +110,12 @@ LawTerm MakeMemoryNetwork(const std::string& name,
 
 // Returns the network of a term, nullptr for any other law.
 const MemoryNetwork* AsMemoryNetwork(const LawTerm& term);
+
+// True if a law of `dynamics` is a network with memory.
+// StructuralDynamics::networks() lists feed-forward networks alone.
+bool HasMemoryNetwork(const StructuralDynamics& dynamics);
+// True if one of them has free weights.
+bool HasFreeMemoryNetwork(const StructuralDynamics& dynamics);
 
 }  // namespace pinode
 

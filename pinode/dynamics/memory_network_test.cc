@@ -2,8 +2,11 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -169,15 +172,41 @@ TEST(MemoryNetwork, DrawsTheSameWeightsFromTheSameSeed) {
   EXPECT_EQ(network.DrawWeights(4).size(), network.num_parameters());
 }
 
+TEST(MemoryNetwork, IsFoundAmongTheLaws) {
+  StructuralDynamics dynamics(
+      MakeStructuralModel(Matrix::Identity(1, 1), Matrix::Zero(1, 1),
+                          Matrix::Identity(1, 1), {"u"}),
+      {});
+  std::string error;
+  ASSERT_TRUE(
+      dynamics.AddElement("cubic", "cubic", Feature::kGround, 0, {1.0}, &error))
+      << error;
+  EXPECT_FALSE(HasMemoryNetwork(dynamics));
+  const std::vector<Feature> features = {Feature::Displacement(0),
+                                         Feature::Velocity(0)};
+  const MemoryNetworkShape shape = Shape(1, 2);
+  const Vector weights = MemoryNetwork(shape).DrawWeights(1);
+  LawTerm fixed = MakeMemoryNetwork("fixed", shape, features, 1, weights, 3.0);
+  for (Parameter& weight : fixed.parameters.parameters) weight.free = false;
+  ASSERT_TRUE(dynamics.AddLaw(std::move(fixed), &error)) << error;
+  EXPECT_TRUE(HasMemoryNetwork(dynamics));
+  EXPECT_FALSE(HasFreeMemoryNetwork(dynamics));
+  ASSERT_TRUE(dynamics.AddLaw(
+      MakeMemoryNetwork("free", shape, features, 1, weights, 3.0), &error))
+      << error;
+  EXPECT_TRUE(HasFreeMemoryNetwork(dynamics));
+}
+
 TEST(MemoryNetwork, RefusesSizesItCannotHave) {
   std::string error;
   EXPECT_TRUE(Shape(1, 6).IsValid(&error)) << error;
   EXPECT_FALSE(Shape(5, 6).IsValid(&error));
-  EXPECT_THAT(error, ::testing::HasSubstr("5 hidden sliders, expected 1 to 4"));
+  EXPECT_THAT(error, ::testing::HasSubstr("'memory' is 5, expected 1 to 4"));
   EXPECT_FALSE(Shape(1, 0).IsValid(&error));
   MemoryNetworkShape shape = Shape(1, 6);
   shape.rate = -1.0;
   EXPECT_FALSE(shape.IsValid(&error));
+  EXPECT_THAT(error, ::testing::HasSubstr("the rate scale"));
   shape.rate = 0.0;
   EXPECT_TRUE(shape.IsValid(&error));
   EXPECT_FALSE(shape.HasScales());

@@ -260,7 +260,8 @@ class ModelCaseWriter {
       if (network == nullptr || term.name != table->Find("name")->text) {
         continue;
       }
-      const MemoryNetworkShape& shape = network->shape();
+      // Without training records no scale was set, and 1 is in use.
+      const MemoryNetworkShape& shape = network->scaled_shape();
       const Vector values = term.parameters.Values();
       table->Erase("seed");
       table->Set("input_scale",

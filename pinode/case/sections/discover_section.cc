@@ -8,6 +8,7 @@
 
 #include "pinode/base/strings.h"
 #include "pinode/case/sections/feature_text.h"
+#include "pinode/dynamics/memory_network.h"
 
 namespace pinode {
 namespace {
@@ -110,6 +111,13 @@ bool ReadDiscover(const TomlTable& root, const StructuralDynamics& dynamics,
     names.push_back(term.name);
   }
   for (const std::string& name : options->networks) {
+    for (const LawTerm& term : dynamics.laws()) {
+      if (term.name != name || AsMemoryNetwork(term) == nullptr) continue;
+      return table.Fail("networks",
+                        "'" + name +
+                            "' is a network with memory, which pinode_discover "
+                            "does not replace; add a network without 'memory'");
+    }
     if (std::find(names.begin(), names.end(), name) == names.end()) {
       return table.Fail("networks", "there is no network '" + name + "'" +
                                         NameHint(name, names));

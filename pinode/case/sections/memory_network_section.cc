@@ -1,7 +1,9 @@
 #include "pinode/case/sections/memory_network_section.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,12 @@ namespace {
 // relative to the scales, so that numbers of about 3 are large.
 constexpr double kDecay = 0.1;
 constexpr int kUnits = 6;
+
+std::string DofName(const StructuralDynamics& dynamics, int dof) {
+  return dof == Feature::kGround
+             ? "ground"
+             : dynamics.model().dof_names[static_cast<size_t>(dof)];
+}
 
 // Reads a deformation and its rate. The device acts where it is deformed, or
 // it could gain energy.
@@ -43,6 +51,18 @@ bool ReadDeformation(const TomlTable& table, const StructuralDynamics& dynamics,
   if (outputs.size() == 1 &&
       !ParseOutput(table, "outputs", dynamics.model(), outputs[0], &column)) {
     return false;
+  }
+  const Feature& deformation = (*features)[0];
+  if (outputs.size() == 1 && deformation.kind == Feature::Kind::kDeformation &&
+      column == Vector(-deformation.Selector(n).transpose())) {
+    const auto reversed = [&](const char* letter) {
+      return letter + ("[" + DofName(dynamics, deformation.b) + "," +
+                       DofName(dynamics, deformation.a) + "]");
+    };
+    return table.Fail("inputs", "the deformation " + inputs[0] +
+                                    " is against the output '" + outputs[0] +
+                                    "', write " + reversed("d") + " and " +
+                                    reversed("w"));
   }
   if (outputs.size() != 1 ||
       column != Vector((*features)[0].Selector(n).transpose())) {
@@ -102,6 +122,12 @@ bool ReadShape(const TomlTable& table, MemoryNetworkShape* shape) {
 bool ReadWeights(const TomlTable& table, const MemoryNetwork& network,
                  std::uint64_t default_seed, Vector* weights) {
   if (table.Has("values")) {
+    // Scales from the records of this case are not those of the values.
+    if (!network.shape().HasScales()) {
+      return table.Fail("values",
+                        "they are relative to scales, give 'input_scale' and "
+                        "'output_scale' too");
+    }
     const std::vector<double> values = table.Numbers(
         "values", network.num_parameters(), "weight of the network");
     if (!table.errors()->ok()) return false;

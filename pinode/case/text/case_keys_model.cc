@@ -469,10 +469,11 @@ CaseTable NetworkKeys() {
            "about the acceleration of the training records; of a force times "
            "the mass it acts on",
            "The last layer is multiplied by these."},
-          {"acts_as", "\"acceleration\" or \"force\"", "", "\"acceleration\"",
+          {"acts_as", "\"acceleration\" or \"force\"", "",
+           "\"acceleration\"; with `memory` \"force\"",
            "An acceleration is added to dv/dt; a force is subtracted from the "
            "right-hand side."},
-          {"layers", "whole numbers", "from 1", "`[20]`",
+          {"layers", "whole numbers", "from 1", "`[20]`; with `memory` `[6]`",
            "Widths of the hidden layers; `[]` is a linear map."},
           {"activation", "text", "", "\"tanh\"",
            "`tanh`, `sigmoid`, `relu`, `leaky_relu`, `softplus`, `sine` or "
@@ -484,13 +485,15 @@ CaseTable NetworkKeys() {
           {"gauge", "\"auto\" or \"on\" or \"off\"", "", "\"auto\"",
            "`auto` removes value and slope at rest where a free group or "
            "element spans the inputs. See \"The gauge\"."},
-          {"decay", "\"evidence\" or \"none\" or number", "", "by the evidence",
-           "Weight decay."},
+          {"decay", "\"evidence\" or \"none\" or number", "",
+           "by the evidence; with `memory` 0.1", "Weight decay."},
           {"memory", "whole number", "1 to 4", "none",
            "Sliders with a state of their own, for a device with hysteresis. "
-           "It then never gives energy. See \"Networks with memory\"."},
+           "It gives no energy beyond what its springs held at the start. See "
+           "\"Networks with memory\"."},
           {"values", "numbers", "one per weight", "seeded",
-           "Weights of a network with memory, as `model.toml` has them."},
+           "Weights of a network with memory, as `model.toml` has them. They "
+           "need both scales."},
           {"seed", "whole number", "", "that of `[options]`",
            "Seed of the initial weights."},
           {"weights", "text", "a file",

@@ -436,13 +436,17 @@ class Library(Part):
 
 
 class Network(Part):
-    """A feed-forward network in place of an unknown force law.
+    """A network in place of an unknown force law: feed-forward, or with memory.
 
-    inputs, outputs: as for Library, several of each.
-    layers: widths of the hidden layers. Default: [20]. [] is a linear map.
-    activation: "tanh" (default), "sigmoid", "relu", "softplus", "sine", ...
-    acts_as: as for Library.
+    inputs, outputs: as for Library, several of each. With memory: a deformation and its rate,
+        and the DOF of the deformation.
+    layers: widths of the hidden layers. Default: [20], with memory [6]. [] is a linear map.
+    activation: "tanh" (default), "sigmoid", "relu", "softplus", "sine", ... Not with memory.
+    acts_as: as for Library. With memory: "force".
     memory: number of sliders with a state of their own, 1 to 4, for a device with hysteresis.
+    values: weights of a network with memory, as model.toml has them. They need input_scale
+        and output_scale.
+    decay: weight decay. Default: by the evidence, with memory 0.1.
     seed: seed of the initial weights.
     """
 

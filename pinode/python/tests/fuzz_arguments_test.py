@@ -108,7 +108,8 @@ PARTS = {
     pinode.Network: (of_case("networks"), dict(
         name="n", inputs=["x[u3]"], outputs=["u3"], layers=[2]), {
         "name": "text", "inputs": "names", "outputs": "names", "layers": "values",
-        "activation": "text", "acts_as": "text", "memory": "whole", "seed": "whole",
+        "activation": "text", "acts_as": "text", "memory": "whole", "values": "values",
+        "seed": "whole",
         "bias": "flag", "input_scale": "values", "decay": "number", "free": "flag"}),
     pinode.UnknownForce: (of_case("unknown_forces"), dict(
         name="f", dof="u1", window=[0.0, 0.3], knot_spacing=0.1, scale=100.0, record="r"), {

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "pinode/base/fnv.h"
+#include "pinode/dynamics/memory_network.h"
 
 namespace pinode {
 namespace {
@@ -76,6 +77,12 @@ void Add(const StructuralDynamics& dynamics, Hash* hash) {
     if (!term.identity.empty()) hash->Add(term.identity);
     hash->Add(term.outputs);
     hash->Add(static_cast<std::int64_t>(term.acts_as));
+    const MemoryNetwork* network = AsMemoryNetwork(term);
+    if (network == nullptr) continue;
+    // The weights are relative to these.
+    hash->Add(network->scaled_shape().deformation);
+    hash->Add(network->scaled_shape().rate);
+    hash->Add(network->scaled_shape().force);
   }
   for (const UnknownForceTerm& term : dynamics.unknown_forces()) {
     hash->Add(term.history->Description());

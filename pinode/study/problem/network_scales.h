@@ -10,11 +10,13 @@ namespace pinode {
 
 // Sets scales of networks from the problem's training records. This applies to
 // every network of *dynamics whose weights are drawn, and whose inputs or
-// outputs have no scales of their own. The scales are the sizes of its inputs,
-// and of the accelerations (or of the forces on the present masses) in the
-// measured motion. Initial weights, weight decay and steps then do not depend
-// on the units. Sizes are those of GuessStateScales; a displacement or a
-// deformation is scaled by the motion of the model's lowest mode there.
+// outputs have no scales of their own. It also applies to networks with memory
+// that lack a scale: the case's reader refuses learned weights without scales.
+// The scales are the sizes of a network's inputs, and of the accelerations (or
+// of the forces on the present masses) in the measured motion. Initial weights,
+// weight decay and steps then do not depend on the units. Sizes are those of
+// GuessStateScales; a displacement or a deformation is scaled by the motion of
+// the model's lowest mode there.
 //
 // `problem`: its records, with `dynamics` as its own or a copy of it. Nothing
 // is set without training records, or without motion in them.

@@ -6,7 +6,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/network/initialize_weights.h"
+#include "pinode/study/problem/checkpoint.h"
 #include "pinode/study/problem/make_problem.h"
 
 namespace pinode {
@@ -130,6 +132,29 @@ TEST(NetworkScales, FollowTheUnits) {
                     ArchitectureOf(plain, network).output_scale[0],
                 units.acceleration(), 1e-12 * units.acceleration());
   }
+}
+
+// Weights learned with other scales are another device.
+TEST(NetworkScales, OfNetworksWithMemoryArePartOfTheProblem) {
+  const auto hash_with = [](double rate) {
+    IdentificationProblem problem = TwoStoreys(Units());
+    auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+    MemoryNetworkShape shape;
+    shape.deformation = 0.1;
+    shape.rate = rate;
+    shape.force = 2.0;
+    std::string error;
+    EXPECT_TRUE(dynamics->AddLaw(
+        MakeMemoryNetwork("device", shape,
+                          {Feature::Displacement(0), Feature::Velocity(0)}, 2,
+                          MemoryNetwork(shape).DrawWeights(1), 3.0),
+        &error))
+        << error;
+    problem.dynamics = dynamics;
+    return ProblemHash(problem);
+  };
+  EXPECT_EQ(hash_with(0.5), hash_with(0.5));
+  EXPECT_NE(hash_with(0.5), hash_with(0.6));
 }
 
 TEST(NetworkScales, LeavesWhatWasGivenOrLearned) {
