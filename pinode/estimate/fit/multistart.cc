@@ -10,6 +10,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/fit/pulse_scan.h"
 #include "pinode/estimate/fit/ways.h"
 #include "pinode/estimate/objective/prior_cost.h"
@@ -186,6 +187,18 @@ Vector DrawStart(const IdentificationProblem& problem,
         dynamics.networks()[j].network->architecture(), random(), true);
     for (int i = 0; i < weights.size(); ++i) {
       const int index = dynamics.block_offset(block) + i;
+      if (layout.FreeIndex(index) >= 0) values[index] = weights[i];
+    }
+  }
+  // These come last, so that the draws of other problems stay.
+  size_t law = 0;
+  for (int t = 0; t < dynamics.num_terms(); ++t) {
+    if (dynamics.term(t).kind() != TermKind::kLaw) continue;
+    const MemoryNetwork* network = AsMemoryNetwork(dynamics.laws()[law++]);
+    if (network == nullptr) continue;
+    const Vector weights = network->DrawWeights(random());
+    for (int i = 0; i < weights.size(); ++i) {
+      const int index = dynamics.block_offset(t) + i;
       if (layout.FreeIndex(index) >= 0) values[index] = weights[i];
     }
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "pinode/dynamics/memory_network.h"
 #include "tests/support/estimate_testing.h"
 
 namespace pinode {
@@ -61,6 +62,42 @@ TEST(Multistart, DrawsGroupsWithoutBoundsAroundTheirNominalSize) {
   }
   EXPECT_NEAR(least, 0.5, 0.05);
   EXPECT_NEAR(most, 2.0, 0.1);
+}
+
+// All starts had the same weights otherwise.
+TEST(Multistart, DrawsTheWeightsOfNetworksWithMemory) {
+  const testing::SmallFit fit(IdentificationRecord::Start::kRest);
+  IdentificationProblem problem = fit.problem;
+  const ParameterLayout plain(problem);
+  auto dynamics = std::make_shared<StructuralDynamics>(*problem.dynamics);
+  const MemoryNetworkShape shape;
+  const Vector weights = MemoryNetwork(shape).DrawWeights(1);
+  LawTerm device = MakeMemoryNetwork(
+      "device", shape, {Feature::Displacement(0), Feature::Velocity(0)},
+      dynamics->num_dofs(), weights, 3.0);
+  device.parameters.parameters[0].free = false;
+  std::string error;
+  ASSERT_TRUE(dynamics->AddLaw(std::move(device), &error)) << error;
+  problem.dynamics = dynamics;
+  const ParameterLayout layout(problem);
+  const auto weights_of = [&](std::uint64_t seed) {
+    const Vector start = DrawStart(problem, layout, MultistartTuning(), seed);
+    for (int i = 0; i < layout.num_parameters(); ++i) {
+      if (layout.parameter(i).name == "device[0]") {
+        return Vector(start.segment(i, weights.size()));
+      }
+    }
+    return Vector();
+  };
+  ASSERT_EQ(weights_of(3).size(), weights.size());
+  EXPECT_EQ(weights_of(3), weights_of(3));
+  EXPECT_EQ(weights_of(3)[0], weights[0]) << "it is fixed";
+  EXPECT_GT((weights_of(3) - weights).norm(), 0.5);
+  EXPECT_GT((weights_of(3) - weights_of(4)).norm(), 0.5);
+  // Other draws stay as they are without it.
+  const Vector with = DrawStart(problem, layout, MultistartTuning(), 5);
+  const Vector without = DrawStart(fit.problem, plain, MultistartTuning(), 5);
+  EXPECT_EQ(with[0], without[0]);
 }
 
 // A chain whose storeys are far from the start, fitted with one step a stage:

@@ -25,8 +25,10 @@ double TypicalFrequency(const IdentificationProblem& problem, double x,
 }
 
 // Returns the size of the internal states after a quarter of a cycle at the
-// velocities `scales`, by their own laws from zero, in their units. If a law
-// gives none, returns the largest displacement.
+// velocities `scales`, by their own laws from zero, in their units. A
+// dissipated energy does not grow at zero: its size comes from its rate at the
+// sizes of the other states. If a law gives none there either, returns the
+// largest displacement.
 Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
                       double omega) {
   const int n = dynamics.num_dofs();
@@ -43,19 +45,27 @@ Vector InternalScales(const StructuralDynamics& dynamics, const Vector& scales,
   for (const PrescribedDof& p : dynamics.prescribed()) {
     input[p.velocity] = scales[n + p.dof];
   }
-  Vector largest = Vector::Zero(internal.size());
-  for (int i = 0; i < n; ++i) {
-    Vector state = Vector::Zero(dynamics.num_states());
-    Vector rate(dynamics.num_states());
-    state[n + i] = scales[n + i];
-    dynamics.Rate(prepared, 0.0, input.data(), state.data(), rate.data(),
-                  &scratch);
-    largest = largest.cwiseMax(rate.tail(internal.size()).cwiseAbs() / omega);
+  const auto is_size = [](double value) {
+    return value > 0.0 && std::isfinite(value);
+  };
+  Vector sizes = Vector::Zero(internal.size());
+  for (const bool from_zero : {true, false}) {
+    Vector largest = Vector::Zero(internal.size());
+    for (int i = 0; i < n; ++i) {
+      Vector state = Vector::Zero(dynamics.num_states());
+      Vector rate(dynamics.num_states());
+      state[n + i] = scales[n + i];
+      if (!from_zero) state.tail(internal.size()) = sizes;
+      dynamics.Rate(prepared, 0.0, input.data(), state.data(), rate.data(),
+                    &scratch);
+      largest = largest.cwiseMax(rate.tail(internal.size()).cwiseAbs() / omega);
+    }
+    for (int i = 0; i < internal.size(); ++i) {
+      if (sizes[i] == 0.0 && is_size(largest[i])) sizes[i] = largest[i];
+    }
+    if ((sizes.array() > 0.0).all()) break;
   }
-  for (int i = 0; i < internal.size(); ++i) {
-    if (largest[i] > 0.0 && std::isfinite(largest[i])) internal[i] = largest[i];
-  }
-  return internal;
+  return (sizes.array() > 0.0).select(sizes, internal);
 }
 
 // Seeks the starts of whole records from `known` and from rest, where they are

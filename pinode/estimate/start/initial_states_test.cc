@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/statistics.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/estimate/shooting/trajectory_outline.h"
 #include "tests/support/estimate_testing.h"
@@ -105,6 +106,48 @@ TEST(InitialTrajectories, WholeRecordsBeginAtKnownStarts) {
   // A start that is far off does no harm beyond that of none.
   const Vector far = Eigen::Vector2d(-30.0, 100.0);
   EXPECT_LT((start_from({far}) - start_from({})).norm(), 1e-6);
+}
+
+// The dissipated energies are numbers, and do not grow at rest.
+TEST(GuessStateScales, EnergiesDoNotDependOnTheUnits) {
+  const auto internal_of = [](double length) {
+    auto dynamics = testing::MakeGroupedChain(1, 50.0, 0.5);
+    MemoryNetworkShape shape;
+    shape.deformation = 0.02 * length;
+    shape.rate = 0.1 * length;
+    shape.force = 2.0 * length;
+    std::string error;
+    const Vector weights = MemoryNetwork(shape).DrawWeights(2);
+    EXPECT_TRUE(dynamics->AddLaw(
+        MakeMemoryNetwork("device", shape,
+                          {Feature::Displacement(0), Feature::Velocity(0)}, 1,
+                          weights, 3.0),
+        &error))
+        << error;
+    EXPECT_TRUE(dynamics->AddElement(
+        "baber", "baber_noori", Feature::kGround, 0,
+        {40.0, 0.8 * length, 0.5, 1.0, 0.1, 0.1, 0.0, 0.5, 0.1, 0.2, 0.0, 0.5},
+        &error))
+        << error;
+    IdentificationRecord record =
+        testing::MakeExcitedRecord(*dynamics, 100, 0.02);
+    record.channels = {
+        testing::MakeChannel("x", Quantity::kDisplacement, 1, 0)};
+    record.channels[0].values.resize(100);
+    for (int i = 0; i < 100; ++i) {
+      record.channels[0].values[i] = 0.03 * length * std::sin(0.14 * i);
+    }
+    IdentificationProblem problem;
+    problem.dynamics = dynamics;
+    problem.records = {record};
+    return Vector(GuessStateScales(problem, record).tail(4));
+  };
+  const Vector metres = internal_of(1.0);
+  EXPECT_TRUE(internal_of(1000.0).isApprox(metres, 1e-9))
+      << internal_of(1000.0).transpose() << ", " << metres.transpose();
+  // A quarter of a cycle to 1.5 of its deformation scale.
+  EXPECT_GT(metres[1], 0.1);
+  EXPECT_LT(metres[1], 30.0);
 }
 
 TEST_F(InitialStatesTest, ScalesAreRmsAndNeverZero) {
