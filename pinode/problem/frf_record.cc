@@ -19,7 +19,9 @@ bool HasFrfQuantity(const Observation& response) {
 // Says which terms of the dynamics FRFs have no place for; empty: none.
 std::string ForeignTerms(const StructuralDynamics& dynamics) {
   if (!dynamics.networks().empty()) return "a network";
-  if (!dynamics.laws().empty()) return "an element or library with a law";
+  if (!dynamics.laws().empty()) {
+    return "an element, a library or a network with memory";
+  }
   if (!dynamics.prescribed().empty()) return "a prescribed motion";
   return "";
 }

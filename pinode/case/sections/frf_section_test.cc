@@ -175,7 +175,7 @@ TEST(FrfSectionTest, MistakesAreOneLine) {
       {begin + places +
            "[[element]]\nname = \"e\"\ntype = \"cubic\"\n"
            "between = [\"ground\", \"u1\"]\nparameters.k3 = 1.0\n",
-       "an element or library with a law"},
+       "an element, a library or a network with memory"},
   };
   for (const auto& mistake : mistakes) {
     Case c;

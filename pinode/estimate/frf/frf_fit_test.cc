@@ -260,7 +260,8 @@ TEST(FrfFitTest, TermsForRecordsAreRefused) {
       << error;
   chain.problem.dynamics = dynamics;
   EXPECT_FALSE(chain.problem.IsValid(&error));
-  EXPECT_NE(error.find("an element or library with a law"), std::string::npos)
+  EXPECT_NE(error.find("an element, a library or a network with memory"),
+            std::string::npos)
       << error;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/integrate/modal_basis.h"
 
 namespace pinode {
@@ -135,6 +136,16 @@ bool DependsOnTime(const StructuralDynamics& dynamics, std::string* name) {
   return false;
 }
 
+// The dissipated energy is a state of these laws, and grows with every cycle.
+bool CountsEnergy(const StructuralDynamics& dynamics, std::string* name) {
+  for (const LawTerm& law : dynamics.laws()) {
+    if (law.type != "baber_noori" && AsMemoryNetwork(law) == nullptr) continue;
+    *name = law.name;
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::unique_ptr<HarmonicBalance> HarmonicBalance::Create(
@@ -152,6 +163,13 @@ std::unique_ptr<HarmonicBalance> HarmonicBalance::Create(
   if (DependsOnTime(dynamics, &name)) {
     *error =
         "law '" + name + "' depends on the time, so no response is periodic";
+    return nullptr;
+  }
+  if (CountsEnergy(dynamics, &name)) {
+    *error = "law '" + name +
+             "' counts the energy that it dissipates, which grows, so no "
+             "response is periodic; use a law without degradation, such as "
+             "bouc_wen";
     return nullptr;
   }
   std::unique_ptr<HarmonicBalance> result(

@@ -18,6 +18,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/dynamics/memory_network.h"
 #include "tests/support/dynamics_testing.h"
 #include "tests/support/figure_testing.h"
 
@@ -253,6 +254,23 @@ TEST(HarmonicBalance, RefusesWhatHasNoPeriodicResponse) {
                                     {Vector::Zero(3), Vector::Ones(3)}, &error),
             nullptr);
   EXPECT_THAT(error, HasSubstr("pinode_discover"));
+  // Their dissipated energy is a state that grows.
+  free.Add("baber_noori", 0, 1,
+           {1.0, 0.5, 0.5, 1.0, 0.1, 0.0, 0.0, 0.5, 0.1, 0.2, 0.0, 0.5});
+  ForcedChain other(2, 4.0, 0.1, 1.0);
+  const MemoryNetworkShape shape;
+  ASSERT_TRUE(other.dynamics.AddLaw(
+      MakeMemoryNetwork("device", shape,
+                        {Feature::Displacement(0), Feature::Velocity(0)}, 2,
+                        MemoryNetwork(shape).DrawWeights(1), 3.0),
+      &error));
+  for (ForcedChain* chain : {&free, &other}) {
+    const StructuralDynamics& dynamics = chain->dynamics;
+    ASSERT_TRUE(dynamics.Prepare(dynamics.Parameters(), &prepared, &error));
+    EXPECT_EQ(HarmonicBalance::Create(dynamics, prepared, chain->input, &error),
+              nullptr);
+    EXPECT_THAT(error, HasSubstr("counts the energy that it dissipates"));
+  }
 }
 
 }  // namespace

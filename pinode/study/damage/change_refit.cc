@@ -8,6 +8,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/certainty/covariance.h"
 #include "pinode/estimate/certainty/fitted_cost.h"
 #include "pinode/problem/parameter_layout.h"
@@ -220,8 +221,11 @@ ChangeRefitter::ChangeRefitter(const FitOfRecords& fit,
 std::string ChangeRefitter::WhyNot() const {
   if (!fit_.problem.ambient.empty()) return "there are ambient records";
   if (!fit_.problem.frfs.empty()) return "there are frequency responses";
-  if (!fit_.problem.dynamics->networks().empty()) return "there is a network";
-  if (!fit_.problem.dynamics->unknown_forces().empty()) {
+  const StructuralDynamics& dynamics = *fit_.problem.dynamics;
+  if (!dynamics.networks().empty() || HasMemoryNetwork(dynamics)) {
+    return "there is a network";
+  }
+  if (!dynamics.unknown_forces().empty()) {
     return "there are unknown forces";
   }
   for (const IdentificationRecord& record : fit_.problem.records) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/study/damage/change_refit.h"
 #include "pinode/study/identify/identify.h"
 #include "tests/support/identify_testing.h"
@@ -150,6 +151,21 @@ TEST_F(AnalyseDamageTest, ASetThatDescribesLittleCostsMore) {
   ComparedCost cost;
   ASSERT_TRUE(refitter.AllFree(&cost));
   EXPECT_GT(cost.cost, 100.0 * refitter.cost_with_all());
+  EXPECT_EQ(refitter.WhyNot(), "");
+  FitOfRecords with_network = groups_alone;
+  auto device = std::make_shared<StructuralDynamics>(*fit.problem.dynamics);
+  const MemoryNetworkShape shape;
+  ASSERT_TRUE(device->AddLaw(
+      MakeMemoryNetwork("device", shape,
+                        {Feature::Displacement(0), Feature::Velocity(0)}, 3,
+                        MemoryNetwork(shape).DrawWeights(1), 3.0),
+      &error))
+      << error;
+  with_network.problem.dynamics = device;
+  EXPECT_EQ(ChangeRefitter(with_network, with_all, groups,
+                           IdentificationOptions(), &inner)
+                .WhyNot(),
+            "there is a network");
 }
 
 TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
