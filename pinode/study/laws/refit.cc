@@ -260,11 +260,17 @@ class Refitter {
                    prices_.Sum(before.equations);
   }
 
+  // Both belong to the terms that were compared last.
+  void ForgetRivals() {
+    discovery_.rivals.clear();
+    incomplete_ = kNaN;
+  }
+
   // Compares the terms with others, and takes over better ones as long as there
   // are any. A rival whose fit and pruning do not lower the criterion leaves
   // all as it was. `factor` refines the steps.
   bool CompareWithRivalTerms(int factor) {
-    discovery_.rivals.clear();
+    ForgetRivals();
     if (!options_.search) return true;
     std::vector<int> substeps = substeps_;
     for (int& count : substeps) count *= factor;
@@ -279,7 +285,7 @@ class Refitter {
         return false;
       }
       if (comparison.interrupted) {
-        discovery_.rivals.clear();
+        ForgetRivals();
         InterruptComparison();
         return true;
       }
