@@ -7,6 +7,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/problem/record_grid.h"
 #include "pinode/report/console.h"
 #include "pinode/report/figure.h"
@@ -232,6 +233,12 @@ class PageMaker {
             "groups over the same inputs are the tangent at rest";
       }
       networks.push_back(PageText(text + "."));
+    }
+    for (const LawTerm& term : input_.problem->dynamics->laws()) {
+      if (AsMemoryNetwork(term) == nullptr) continue;
+      networks.push_back(PageText("Network with memory " + term.name + ": " +
+                                  Count(term.parameters.size(), "weight") +
+                                  "."));
     }
     const bool has_networks = !input_.problem->dynamics->networks().empty();
     if (has_networks && summary_.effective_parameters > 0.0) {

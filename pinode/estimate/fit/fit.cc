@@ -326,6 +326,9 @@ bool Fit::RunStage(Eigen::Index samples, bool last) {
 }
 
 bool Fit::Run(const Vector& parameters, const IdentifiedModel* initial) {
+  // Networks with memory are none here. Their device is stable from the first
+  // weights on, so that the first stage needs no shorter segments. Their decay
+  // is fixed, so that there is nothing to anneal.
   const bool networks = context_.HasNetworks();
   const std::vector<Eigen::Index> lengths =
       StageLengths(context_.problem, options_, networks);

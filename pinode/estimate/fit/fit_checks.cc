@@ -108,8 +108,8 @@ void CheckLearnedForce(const FitSummary& fit, Findings* findings) {
            " of the training records unexplained: it has not learned the "
            "missing force",
        left, limits::kUnexplainedByNetwork,
-       "try another 'seed' of the network, more hidden units, or more "
-       "inputs"});
+       "try another 'seed' of the network, more hidden units, more inputs, or "
+       "a larger 'memory'"});
 }
 
 void CheckHoldouts(const FitSummary& fit, Findings* findings) {

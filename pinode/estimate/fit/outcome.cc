@@ -10,6 +10,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/ambient/ambient_evidence.h"
 #include "pinode/estimate/ambient/ambient_score.h"
 #include "pinode/estimate/certainty/covariance.h"
@@ -31,9 +32,10 @@
 namespace pinode {
 namespace {
 
-// Says how far the fit is from a minimum. Networks have valleys without end,
-// along which something could be saved for ever; the end of their training is
-// in Fit.
+// Says how far the fit is from a minimum. Feed-forward networks have valleys
+// without end, along which something could be saved for ever; the end of their
+// training is in Fit. Networks with memory are judged as laws are: their prior
+// is fixed and bounds each valley, so a fit that stopped in one has stalled.
 void ReportOptimality(const Fit& fit, bool with_records, FitSummary* summary) {
   if (!fit.converged()) return;
   const FitState& best = fit.best();
@@ -357,7 +359,8 @@ void ReportOutcome(const IdentificationProblem& problem,
   summary->initial_damping = LeastDamping(problem, layout.InitialValues());
   summary->final_damping = LeastDamping(problem, model->parameters);
   summary->negative_damping_allowed = DampingsAreBounded(*problem.dynamics);
-  summary->learns_force = HasNetworksOfState(problem, layout);
+  summary->learns_force = HasNetworksOfState(problem, layout) ||
+                          HasFreeMemoryNetwork(*problem.dynamics);
 
   Certainty certainty = MeasureCertainty(problem, options, fit);
   // Intervals exist only at a minimum.

@@ -7,6 +7,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
@@ -50,7 +51,10 @@ class Report {
   void AddConfusion(std::vector<Finding>* findings) const {
     // Damping that is free itself takes over what the factor does, and so does
     // a network.
-    if (HasFreeDamping() || !problem_.dynamics->networks().empty()) return;
+    if (HasFreeDamping() || !problem_.dynamics->networks().empty() ||
+        HasMemoryNetwork(*problem_.dynamics)) {
+      return;
+    }
     for (const Confusion& confusion : FindConfusions(suspects_, scores_)) {
       if (suspects_[confusion.suspect].kind != Suspect::Kind::kDamping ||
           confusion.names.size() < 2) {

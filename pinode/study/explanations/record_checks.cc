@@ -9,6 +9,7 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/estimate/objective/modal_cost.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/close_modes.h"
@@ -195,7 +196,8 @@ void CheckDamping(const IdentificationProblem& problem,
   const StructuralDynamics& dynamics = *problem.dynamics;
   // Modes of larger models are not worth their time here.
   constexpr int kMostDofs = 200;
-  if (dynamics.model().num_dofs() > kMostDofs || !dynamics.networks().empty()) {
+  if (dynamics.model().num_dofs() > kMostDofs || !dynamics.networks().empty() ||
+      HasMemoryNetwork(dynamics)) {
     return;
   }
   double highest_hz = 0.0;
