@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pinode/dynamics/feature.h"
+#include "pinode/dynamics/memory_network.h"
 #include "pinode/problem/verdict.h"
 #include "pinode/study/identify/identify.h"
 #include "tests/support/study_testing.h"
@@ -31,7 +32,8 @@ std::shared_ptr<StructuralDynamics> StoreyWith(
 // Returns a fit of a storey with one element to the acceleration of a storey
 // with another one, with 2 % noise.
 TestFit FitOfStorey(const std::shared_ptr<StructuralDynamics>& model,
-                    const StructuralDynamics& truth) {
+                    const StructuralDynamics& truth,
+                    const IdentificationOptions& options = {}) {
   IdentificationProblem problem;
   problem.dynamics = model;
   IdentificationRecord record = testing::MakeExcitedRecord(*model, 300, 0.02);
@@ -46,8 +48,7 @@ TestFit FitOfStorey(const std::shared_ptr<StructuralDynamics>& model,
   ChooseStepsOrFail(&problem);
   TestFit fit;
   fit.problem = problem;
-  Identification found =
-      Identify(fit.problem, IdentificationOptions(), {}, nullptr);
+  Identification found = Identify(fit.problem, options, {}, nullptr);
   fit.summary = std::move(found.summary);
   return fit;
 }
@@ -88,6 +89,32 @@ TEST(MemoryFit, WrongLawIsNotGood) {
     checks.push_back(finding.check);
   }
   EXPECT_THAT(checks, ::testing::Contains(kUnexplainedMotion));
+}
+
+// The limit for unexplained motion is that of other networks.
+TEST(MemoryFit, NetworkWithMemoryLearnsAForce) {
+  auto model = testing::MakeGroupedChain(1, 100.0, 0.5);
+  MemoryNetworkShape shape;
+  shape.width = 2;
+  shape.deformation = 0.02;
+  shape.rate = 0.2;
+  shape.force = 1.0;
+  std::string error;
+  ASSERT_TRUE(model->AddLaw(
+      MakeMemoryNetwork("device", shape,
+                        {Feature::Displacement(0), Feature::Velocity(0)}, 1,
+                        MemoryNetwork(shape).DrawWeights(1), 3.0),
+      &error))
+      << error;
+  // The whole fit would take many seconds.
+  IdentificationOptions options;
+  options.max_num_iterations = 3;
+  options.num_starts = 1;
+  const TestFit fit = FitOfStorey(
+      model, *StoreyWith("baber_noori", {60.0, 0.15, 0.5, 1.0}), options);
+  EXPECT_TRUE(fit.summary.learns_force);
+  ASSERT_FALSE(fit.summary.records.empty());
+  EXPECT_LT(fit.summary.records[0].nrmse, 0.4) << fit.summary.message;
 }
 
 }  // namespace
