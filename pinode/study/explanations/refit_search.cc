@@ -477,25 +477,33 @@ void RefitSearch::TryRocking(const Refit& from) {
   // It has no score.
   scores_.suspects.resize(suspects_.size());
   Matrix& matrix = suspects_[i].groups[0].group.matrix;
-  Refit last = from;
+  Matrix best_matrix = matrix;
+  std::optional<Refit> best;
   for (int round = 0; round < kMostRocking; ++round) {
     tried_.erase({i});
-    if (!Try(last, {i}, /*cold=*/round == 0)) break;
-    last = std::move(refits_.back());
+    if (!Try(best.has_value() ? *best : from, {i}, /*cold=*/round == 0)) break;
+    Refit next = std::move(refits_.back());
     refits_.pop_back();
-    // Where it explains nothing, another matrix of it does neither.
-    if (last.log_odds < 0.0) break;
+    if (best.has_value() && next.log_odds <= best->log_odds) break;
+    best = std::move(next);
+    best_matrix = matrix;
+    // Another matrix does not help a base that explains nothing.
+    if (best->log_odds < 0.0) break;
     const IdentifiedModel own = BeginFrom(
-        ParametersByName(last.problem, last.model), last.model, problem_);
+        ParametersByName(best->problem, best->model), best->model, problem_);
     const StructuralModel corrected =
         dynamics.CorrectedModel(own.parameters.head(dynamics.num_parameters()));
     const Matrix again = RockingPerShare(corrected.stiffness,
                                          HeightsOfStoreys(dynamics.model()));
     const bool is_same = (again - matrix).norm() < kSameMatrix * matrix.norm();
     if (is_same || !again.allFinite()) break;
-    if (round + 1 < kMostRocking) matrix = again;
+    matrix = again;
   }
-  if (last.log_odds > 0.0) refits_.push_back(std::move(last));
+  // The matrix of a round that was worse goes with its refit.
+  matrix = best_matrix;
+  if (best.has_value() && best->log_odds > 0.0) {
+    refits_.push_back(std::move(*best));
+  }
 }
 
 double RefitSearch::LogOdds(const Refit& refit) const {

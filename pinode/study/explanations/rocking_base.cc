@@ -10,20 +10,38 @@ namespace {
 
 // Largest share of a rotation: a base without any spring would fall over.
 constexpr double kMostShare = 0.99;
+// Beside free stiffness the rotation of one or two storeys fits almost any
+// error of the stiffness.
+constexpr Eigen::Index kLeastStoreys = 3;
 
 }  // namespace
 
 Vector HeightsOfStoreys(const StructuralModel& model) {
   const int size = model.num_dofs();
-  std::vector<bool> has_storey(static_cast<size_t>(size), false);
+  std::vector<std::vector<int>> neighbours(static_cast<size_t>(size));
+  std::vector<int> on_ground;
   for (const Spring& spring : SpringsOf(model)) {
-    const int below = spring.to == 0 ? Feature::kGround : spring.to - 1;
-    if (spring.from == below) has_storey[static_cast<size_t>(spring.to)] = true;
+    if (spring.from == Feature::kGround) {
+      on_ground.push_back(spring.to);
+    } else {
+      neighbours[static_cast<size_t>(spring.from)].push_back(spring.to);
+      neighbours[static_cast<size_t>(spring.to)].push_back(spring.from);
+    }
   }
-  for (const bool has : has_storey) {
-    if (!has) return Vector();
+  // A roof that is tied to the ground is not above its base alone.
+  if (on_ground.size() != 1) return Vector();
+  Vector heights = Vector::Zero(size);
+  int at = on_ground.front();
+  for (int storey = 1; storey <= size; ++storey) {
+    heights[at] = storey;
+    std::vector<int> above;
+    for (const int next : neighbours[static_cast<size_t>(at)]) {
+      if (heights[next] == 0.0) above.push_back(next);
+    }
+    if (above.size() != (storey < size ? 1u : 0u)) return Vector();
+    if (storey < size) at = above.front();
   }
-  return Vector::LinSpaced(size, 1.0, size);
+  return heights;
 }
 
 Matrix RockingPerShare(const Matrix& stiffness, const Vector& heights) {
@@ -33,8 +51,7 @@ Matrix RockingPerShare(const Matrix& stiffness, const Vector& heights) {
 
 std::optional<Suspect> MakeRockingBase(const StructuralModel& model) {
   const Vector heights = HeightsOfStoreys(model);
-  // The rotation of a single storey is its own flexibility.
-  if (heights.size() < 2) return std::nullopt;
+  if (heights.size() < kLeastStoreys) return std::nullopt;
   Suspect suspect;
   suspect.kind = Suspect::Kind::kStiffness;
   suspect.place = "base";

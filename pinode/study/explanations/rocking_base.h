@@ -12,8 +12,10 @@
 namespace pinode {
 
 // Heights of the DOFs above the base, in storeys, where `model` is a building
-// of equal storeys: its stiffness consists of springs, and there is one from
-// the ground to the first DOF and from each DOF to the next. Empty: it is not.
+// of equal storeys: its stiffness consists of springs, one from the ground to
+// the lowest DOF and one from each DOF to the next above, in any order of
+// numbers. Empty: it is not. So it is with a spring from the ground to a higher
+// DOF, such as a tie at the roof, and with one that skips a storey.
 Vector HeightsOfStoreys(const StructuralModel& model);
 
 // Returns the stiffness that a rotation of the base takes away, per unit of its
@@ -27,7 +29,8 @@ Matrix RockingPerShare(const Matrix& stiffness, const Vector& heights);
 
 // Returns the suspect of a rocking base for `model`. Its unknown is s, between
 // 0 and 1. Its matrix is that of the stiffness of `model`: make it again where
-// a fit has changed this. Nothing if the model has no HeightsOfStoreys.
+// a fit has changed this. Nothing if the model has no HeightsOfStoreys, or less
+// than three: a rotation under two DOFs fits almost any error of a stiffness.
 std::optional<Suspect> MakeRockingBase(const StructuralModel& model);
 
 }  // namespace pinode

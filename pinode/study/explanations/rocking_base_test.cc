@@ -45,12 +45,33 @@ TEST(RockingBase, IsTheCondensedRotation) {
 TEST(RockingBase, NeedsStoreysAboveEachOther) {
   StructuralModel model = testing::MakeGroupedChain(3, 100.0, 0.5)->model();
   EXPECT_TRUE(MakeRockingBase(model).has_value());
-  // The third storey hangs on the first one.
+  // The second storey is numbered last, then first.
   model.stiffness.row(1).swap(model.stiffness.row(2));
   model.stiffness.col(1).swap(model.stiffness.col(2));
-  EXPECT_FALSE(MakeRockingBase(model).has_value());
-  EXPECT_FALSE(
-      MakeRockingBase(testing::MakeGroupedChain(1, 100.0, 0.5)->model()));
+  EXPECT_EQ(HeightsOfStoreys(model), (Vector{{1.0, 3.0, 2.0}}));
+  model.stiffness.row(0).swap(model.stiffness.row(2));
+  model.stiffness.col(0).swap(model.stiffness.col(2));
+  EXPECT_EQ(HeightsOfStoreys(model), (Vector{{2.0, 3.0, 1.0}}));
+  // A tie from the roof to the ground.
+  StructuralModel tied = model;
+  tied.stiffness(1, 1) += 50.0;
+  EXPECT_FALSE(MakeRockingBase(tied).has_value());
+  // Two storeys stand on the lowest one.
+  StructuralModel fork = testing::MakeGroupedChain(3, 100.0, 0.5)->model();
+  fork.stiffness = Matrix{
+      {300.0, -100.0, -100.0}, {-100.0, 100.0, 0.0}, {-100.0, 0.0, 100.0}};
+  EXPECT_FALSE(MakeRockingBase(fork).has_value());
+  // A spring that skips a storey.
+  StructuralModel braced = testing::MakeGroupedChain(3, 100.0, 0.5)->model();
+  braced.stiffness(0, 0) += 50.0;
+  braced.stiffness(2, 2) += 50.0;
+  braced.stiffness(0, 2) -= 50.0;
+  braced.stiffness(2, 0) -= 50.0;
+  EXPECT_FALSE(MakeRockingBase(braced).has_value());
+  for (const int storeys : {1, 2}) {
+    EXPECT_FALSE(MakeRockingBase(
+        testing::MakeGroupedChain(storeys, 100.0, 0.5)->model()));
+  }
 }
 
 // The storeys of the truth are not those of the initial model, so that the
