@@ -42,6 +42,12 @@ constexpr double kRangeOfEntry = 2.0;
 // Mean squared error of modes without standard deviations that rounding may
 // leave.
 constexpr double kRoundingSquare = 1e-20;
+// Degrees of freedom, at least one but for rounding, that show the size of
+// residuals without standard deviations.
+constexpr double kLeastLeft = 0.5;
+// Number of DOFs up to which modes without standard deviations are searched.
+// Modes of larger models are not worth their time here.
+constexpr int kMostDofs = 200;
 
 Suspect LeftOut(const IdentificationProblem& problem, size_t i) {
   const MeasuredMode& mode = problem.modal.modes[i];
@@ -121,7 +127,7 @@ ModesSearch::ModesSearch(const IdentificationProblem& problem,
   BeginNearTheEnd(&options_);
   options_.num_starts = 0;
   num_measured_ = NumMeasuredIn(problem, fit);
-  left_ = std::max(1.0, num_measured_ - fit.effective_parameters);
+  left_ = num_measured_ - fit.effective_parameters;
 }
 
 // Number of measured numbers of the modes that a fit uses.
@@ -141,18 +147,21 @@ int ModesSearch::NumMeasuredIn(const IdentificationProblem& problem,
 }
 
 double ModesSearch::SquaredErrorLeft() const {
-  return 2.0 * fit_.final_modal_cost / left_;
+  return 2.0 * fit_.final_modal_cost / std::max(1.0, left_);
 }
 
 bool ModesSearch::IsBeyondDeviations() const {
   return problem_.modal.HasSigmasOfAll() &&
-         ChiSquareProbability(2.0 * fit_.final_modal_cost, left_) <
-             limits::kModesProbability;
+         ChiSquareProbability(2.0 * fit_.final_modal_cost,
+                              std::max(1.0, left_)) < limits::kModesProbability;
 }
 
 // True if a shape has no partner, or one that a fault of a sensor may explain.
 bool ModesSearch::IsAnyShapeUnlike() const {
   const bool has_deviations = problem_.modal.HasSigmasOfAll();
+  if (!has_deviations && problem_.dynamics->model().num_dofs() > kMostDofs) {
+    return false;
+  }
   return std::any_of(fit_.modes.begin(), fit_.modes.end(),
                      [&](const ModeScore& score) {
                        return !score.InUse() ||
@@ -295,7 +304,12 @@ double ModesSearch::LogOdds(const Refit& refit) const {
   const double gained =
       NumMeasuredIn(refit.problem, refit.fit) - (num_measured_ - left_out);
   const double count = num_measured_ + std::max(0.0, gained);
-  const double least = problem_.modal.HasSigmasOfAll() ? 1.0 : kRoundingSquare;
+  const bool has_deviations = problem_.modal.HasSigmasOfAll();
+  // Residuals of as many numbers as unknowns are remainders of the solver.
+  if (!has_deviations && std::min(left_, left_ + gained) < kLeastLeft) {
+    return -kInfinity;
+  }
+  const double least = has_deviations ? 1.0 : kRoundingSquare;
   const auto mean_square = [least](const FitSummary& fit, double left) {
     return std::max(least, 2.0 * fit.final_modal_cost / std::max(1.0, left));
   };

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "pinode/problem/parameter_layout.h"
 #include "pinode/structure/model/modal_analysis.h"
 #include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/identify/identify.h"
@@ -141,6 +143,56 @@ TEST(ModesSearch, FindsAShapeThatIsNotMet) {
   EXPECT_TRUE(HasFinding(fit, "shape_not_met"));
   ASSERT_FALSE(fit.explanations.empty());
   EXPECT_EQ(fit.explanations[0].what, "the sign of mode 1 at 'u2'");
+}
+
+// As many numbers as unknowns say nothing of the size of residuals.
+TEST(ModesSearch, NamesNothingWhereModesAreExactlyDetermined) {
+  for (const double sign : {1.0, -1.0}) {
+    IdentificationProblem problem = MeasuredModes(0.0, 0, SomeStiffness(), 2);
+    problem.modal.modes.resize(1);
+    problem.modal.modes[0].frequency_sigma = 0.0;
+    problem.modal.modes[0].shape_sigma = 0.0;
+    problem.modal.modes[0].shape[1] *= sign;
+    const IdentificationSummary fit = IdentifyModes(problem).summary;
+    EXPECT_TRUE(fit.explanations.empty()) << fit.explanations[0].what;
+  }
+}
+
+Matrix SpringsOfChain(int dofs) {
+  Matrix stiffness = 200.0 * Matrix::Identity(dofs, dofs);
+  stiffness(dofs - 1, dofs - 1) = 100.0;
+  stiffness.diagonal(1).setConstant(-100.0);
+  stiffness.diagonal(-1).setConstant(-100.0);
+  return stiffness;
+}
+
+// Large models are not searched without standard deviations.
+TEST(ModesSearch, IsBoundedByTheDofs) {
+  for (const int dofs : {5, 201}) {
+    IdentificationProblem problem = MeasuredModes(0.0, 0, SomeStiffness(), 2);
+    auto dynamics = std::make_shared<StructuralDynamics>(
+        MakeStructuralModel(Matrix::Identity(dofs, dofs),
+                            Matrix::Zero(dofs, dofs), SpringsOfChain(dofs)),
+        std::vector<InputSpec>());
+    GroupTerm all;
+    all.group.name = all.alpha.name = "k";
+    all.group.matrix = dynamics->model().stiffness;
+    all.alpha.free = true;
+    std::string error;
+    ASSERT_TRUE(dynamics->AddGroup(all, &error)) << error;
+    problem.dynamics = dynamics;
+    problem.modal.modes.resize(1);
+    problem.modal.modes[0].frequency_sigma = 0.0;
+    problem.modal.modes[0].shape_sigma = 0.0;
+    FitSummary fit;
+    fit.modes.resize(1);
+    ASSERT_FALSE(fit.modes[0].InUse());
+    IdentifiedModel model;
+    model.parameters = ParameterLayout(problem).InitialValues();
+    InnerFit inner;
+    ModesSearch search(problem, IdentificationOptions(), fit, model, &inner);
+    EXPECT_EQ(search.Run(), dofs == 5);
+  }
 }
 
 // The mass in place of changed groups that explains the modes. Healthy modes
