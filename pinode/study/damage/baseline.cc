@@ -28,6 +28,22 @@ bool HasOtherSolution(const Verdict& verdict) {
       [](const Finding& finding) { return finding.check == "other_solution"; });
 }
 
+// True if a mode that the fit left out is the only reason for care, such as a
+// pole of the wind, and nothing else is likely. The values then stand on the
+// other modes.
+bool HasOnlyUnusedModes(const IdentificationSummary& summary) {
+  const std::vector<Finding>& findings = summary.verdict.findings();
+  return std::all_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) {
+                       return finding.check == "mode_not_used" ||
+                              finding.grade != Grade::kWithCare;
+                     }) &&
+         std::none_of(summary.explanations.begin(), summary.explanations.end(),
+                      [](const Explanation& explanation) {
+                        return explanation.log_odds >= limits::kLogOdds;
+                      });
+}
+
 }  // namespace
 
 std::vector<std::string> FreeGroups(const StructuralDynamics& dynamics) {
@@ -74,6 +90,7 @@ bool MissesMotion(const Verdict& verdict) {
 Doubts DoubtsOf(const IdentificationSummary& summary) {
   Doubts doubts;
   if (summary.verdict.grade() != Grade::kWithCare) return doubts;
+  if (HasOnlyUnusedModes(summary)) return doubts;
   doubts.other_solution = HasOtherSolution(summary.verdict);
   const bool misses_motion = MissesMotion(summary.verdict);
   for (const ParameterEstimate& own : summary.parameters) {

@@ -37,7 +37,8 @@ struct Doubts {
   // Values and widened intervals of named parameters. They include the
   // intervals under the likeliest explanations. If motion is unexplained, they
   // also include the result's own intervals, which allow for an incomplete
-  // model.
+  // model. Empty if unused measured modes are the only reason for care and no
+  // explanation has odds of 20.
   std::vector<ExplainedValue> reach = {};
   // True if another solution describes the data as well.
   bool other_solution = false;

@@ -279,6 +279,34 @@ TEST_F(AnalyseDamageTest, ABaselineWithAnotherSolutionNamesNoGroup) {
       << result.judgement.sentence;
 }
 
+// An extra pole that the fit left out says nothing against the values of the
+// other modes. Any other reason for care, or a likely explanation, does.
+TEST(DoubtsOf, AnUnusedModeAloneWidensNothing) {
+  IdentificationSummary summary;
+  ParameterEstimate k1;
+  k1.name = "k1";
+  k1.value = 0.1;
+  k1.half_width95 = 0.02;
+  summary.parameters = {k1};
+  Finding unused, other;
+  unused.check = "mode_not_used";
+  unused.grade = Grade::kWithCare;
+  other.check = "shape_not_met";
+  other.grade = Grade::kWithCare;
+  summary.verdict = Verdict({unused});
+  EXPECT_TRUE(DoubtsOf(summary).reach.empty());
+  summary.verdict = Verdict({unused, other});
+  ASSERT_EQ(DoubtsOf(summary).reach.size(), 1u);
+  EXPECT_DOUBLE_EQ(DoubtsOf(summary).reach[0].lower95, 0.08);
+  summary.verdict = Verdict({unused});
+  Explanation sign;
+  sign.log_odds = 2.9;
+  summary.explanations = {sign};
+  EXPECT_TRUE(DoubtsOf(summary).reach.empty());
+  summary.explanations[0].log_odds = 3.1;
+  EXPECT_EQ(DoubtsOf(summary).reach.size(), 1u);
+}
+
 // Fits of healthy records of another size are no reason to end.
 TEST_F(AnalyseDamageTest, SaysWhereHealthyRecordsDoNotFit) {
   DamageAnalysisOptions options;
