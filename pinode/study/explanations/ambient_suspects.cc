@@ -165,7 +165,7 @@ std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
   std::vector<Suspect> suspects;
   // A fit may have adapted to a wrong sensor, or have lost itself.
   IdentifiedModel initial = model;
-  initial.parameters = problem.dynamics->Parameters();
+  initial.parameters = ParameterLayout(problem).InitialValues();
   for (size_t r = 0; r < problem.ambient.size(); ++r) {
     std::vector<Suspect> found;
     for (const IdentifiedModel* at :

@@ -48,8 +48,9 @@ bool CanExplain(const IdentificationProblem& problem,
 // Ann. Statist. 6 (1978) 461-464). Ambient records and measured modes beside
 // records add the gain of their own log-likelihood; that of an ambient record
 // is divided by the refit's chi^2 per degree of freedom, if this is above 1.
-// Measured modes alone are explained by ModesSearch. Modes without standard
-// deviations have no likelihood, and problems with them no explanations.
+// Measured modes alone are explained by ModesSearch. Beside other data, modes
+// without standard deviations have no likelihood, and problems with them no
+// explanations.
 Explained Explain(const IdentificationProblem& problem,
                   const IdentificationOptions& options, const FitSummary& fit,
                   const IdentifiedModel& model, InnerFit* inner);

@@ -250,6 +250,54 @@ std::vector<double> LargestMacs(const ModalData& data,
   return best;
 }
 
+int NumUsed(const FitSummary& fit) {
+  return static_cast<int>(
+      std::count_if(fit.modes.begin(), fit.modes.end(),
+                    [](const ModeScore& mode) { return mode.InUse(); }));
+}
+
+// True if the fit left a mode out although the model has modes left for it.
+bool IsLeftOut(const FitSummary& fit, size_t i) {
+  return i < fit.modes.size() && !fit.modes[i].InUse() &&
+         NumUsed(fit) < fit.num_model_modes;
+}
+
+// MAC that a shape reaches with the right mode in spite of its known noise. The
+// noise alone costs about (n - 1) sigma^2 / |shape|^2.
+double LeastMac(const MeasuredMode& mode) {
+  constexpr double kTimesMean = 3.0;
+  double variance = mode.shape_sigma * mode.shape_sigma;
+  if (mode.shape_covariance.size() > 0) {
+    variance = mode.shape_covariance.diagonal().mean();
+  }
+  const double others = static_cast<double>(mode.shape.size() - 1);
+  return limits::kShapeMet -
+         kTimesMean * others * variance / mode.shape.squaredNorm();
+}
+
+// Measured modes that share a finding, and the one with the smallest MAC.
+struct OddShapes {
+  std::vector<std::string> names;
+  double least = 1.0;
+  double limit = kLeastPairProfit;
+
+  void Add(const std::string& name, double mac, double limit_of_mode) {
+    names.push_back(name);
+    if (mac > least) return;
+    least = mac;
+    limit = limit_of_mode;
+  }
+  bool AreSeveral() const { return names.size() > 1; }
+  std::string Text() const {
+    return (AreSeveral() ? "measured modes '" : "measured mode '") +
+           Join(names, "', '") + "'";
+  }
+};
+
+std::string NameOf(const std::string& name, size_t i) {
+  return name.empty() ? std::to_string(i + 1) : name;
+}
+
 // Measured shapes that the fitted model does not have. Below kLeastPairProfit
 // a fit that used one would have moved parameters to meet noise.
 void CheckShapes(const IdentificationProblem& problem, const FitSummary& fit,
@@ -265,62 +313,69 @@ void CheckShapes(const IdentificationProblem& problem, const FitSummary& fit,
     return;
   }
   const std::vector<double> best = LargestMacs(problem.modal, modes);
-  std::vector<std::string> foreign, unlike;
-  double least_foreign = 1.0, least_unlike = 1.0;
+  OddShapes foreign, unlike;
   for (size_t i = 0; i < best.size(); ++i) {
     const MeasuredMode& mode = problem.modal.modes[i];
-    if (!mode.HasShape() || best[i] >= limits::kShapeMet) continue;
-    const bool is_foreign = best[i] < kLeastPairProfit;
-    // CheckUnusedModes names the others.
-    if (!is_foreign && i < fit.modes.size() && !fit.modes[i].InUse()) continue;
-    (is_foreign ? foreign : unlike)
-        .push_back(mode.name.empty() ? std::to_string(i + 1) : mode.name);
-    double& least = is_foreign ? least_foreign : least_unlike;
-    least = std::min(least, best[i]);
+    // CheckUnusedModes names modes that were left out.
+    if (!mode.HasShape() || IsLeftOut(fit, i)) continue;
+    if (best[i] < kLeastPairProfit) {
+      foreign.Add(NameOf(mode.name, i), best[i], kLeastPairProfit);
+    } else if (best[i] < LeastMac(mode)) {
+      unlike.Add(NameOf(mode.name, i), best[i], LeastMac(mode));
+    }
   }
-  if (!foreign.empty()) {
+  if (!foreign.names.empty()) {
     findings->push_back(
         {"shape_like_no_mode",
-         "the shape of measured mode '" + Join(foreign, "', '") +
-             "' is like no mode of the updated model (largest MAC " +
-             FormatNumber(least_foreign, 2) + "): it may be noise",
-         least_foreign, kLeastPairProfit,
-         "leave the mode out, or check the places and signs of its sensors",
+         (foreign.AreSeveral() ? "the shapes of " : "the shape of ") +
+             foreign.Text() + (foreign.AreSeveral() ? " are" : " is") +
+             " like no mode of the updated model (largest MAC " +
+             FormatNumber(foreign.least, 2) +
+             "): " + (foreign.AreSeveral() ? "they" : "it") + " may be noise",
+         foreign.least, foreign.limit,
+         foreign.AreSeveral()
+             ? "leave the modes out, or check the places and signs of their "
+               "sensors"
+             : "leave the mode out, or check the places and signs of its "
+               "sensors",
          Grade::kWithCare});
   }
-  if (!unlike.empty()) {
+  if (!unlike.names.empty()) {
     findings->push_back(
         {"shape_not_met",
-         "no mode of the updated model has the shape of measured mode '" +
-             Join(unlike, "', '") + "' (largest MAC " +
-             FormatNumber(least_unlike, 2) + ")",
-         least_unlike, limits::kShapeMet,
-         "check the signs and places of its sensors, or free what the model "
-         "lacks",
+         std::string("no mode of the updated model has the shape of ") +
+             (unlike.AreSeveral() ? "any of the " : "") + unlike.Text() + " (" +
+             (unlike.AreSeveral() ? "smallest" : "largest") + " MAC " +
+             FormatNumber(unlike.least, 2) + ")",
+         unlike.least, unlike.limit,
+         std::string("check the signs and places of ") +
+             (unlike.AreSeveral() ? "their" : "its") +
+             " sensors, or free what the model lacks",
          Grade::kWithCare});
   }
 }
 
 // Modes that a fit had to leave out although the model has modes for them.
 void CheckUnusedModes(const FitSummary& fit, Findings* findings) {
-  std::vector<std::string> names;
+  OddShapes left_out;
   for (size_t i = 0; i < fit.modes.size(); ++i) {
-    if (fit.modes[i].InUse()) continue;
-    names.push_back(fit.modes[i].name.empty() ? std::to_string(i + 1)
-                                              : fit.modes[i].name);
+    if (IsLeftOut(fit, i)) {
+      left_out.Add(NameOf(fit.modes[i].name, i), 1.0, 1.0);
+    }
   }
-  const double all = static_cast<double>(fit.modes.size());
-  const double used = all - static_cast<double>(names.size());
-  if (names.empty() || used >= fit.num_model_modes) return;
+  if (left_out.names.empty()) return;
+  const bool several = left_out.AreSeveral();
   findings->push_back(
       {"mode_not_used",
-       "the fit does not use measured mode '" + Join(names, "', '") +
-           "': the initial model has no mode like it that is not the partner "
-           "of another one",
-       used, all,
-       "check the sign and place of each entry of its shape, and its "
-       "frequency; "
-       "or leave the mode out",
+       "the fit does not use " + left_out.Text() +
+           ": each mode of the initial model is unlike " +
+           (several ? "them" : "it") +
+           ", or is the partner of another measured mode",
+       static_cast<double>(NumUsed(fit)), static_cast<double>(fit.modes.size()),
+       several ? "check the sign and place of each entry of their shapes, and "
+                 "their frequencies; or leave the modes out"
+               : "check the sign and place of each entry of its shape, and its "
+                 "frequency; or leave the mode out",
        Grade::kWithCare});
 }
 
