@@ -66,7 +66,8 @@ constexpr double kModeMac = 0.5;
 // MAC that each measured shape should have with a mode of the updated model.
 // Without standard deviations, one entry of the wrong sign left a MAC of 0.51
 // and 0.66 in chains of storeys, and intervals that presume small errors.
-// Right models of them, with errors of 0.01, have 0.999.
+// Right models of them, with errors of 0.01, have 0.999. Known standard
+// deviations of a shape lower the limit.
 constexpr double kShapeMet = 0.9;
 // The worst frequency may be off by this, or by this many times the initial
 // model's error. More of both means that shapes have driven it there.

@@ -196,7 +196,11 @@ bool Fit::SettleSingle(bool* settled) {
   // Costs of ambient records are large negative log-likelihoods, and models
   // that are wrong for them have valleys.
   constexpr double kValley = 1e-5;
-  const double valley = context_.problem.ambient.empty() ? 0.0 : kValley;
+  const IdentificationProblem& problem = context_.problem;
+  const bool has_valleys = !problem.ambient.empty() && problem.modal.empty() &&
+                           problem.frfs.empty() &&
+                           problem.num_train_records() == 0 && !networks;
+  const double valley = has_valleys ? kValley : 0.0;
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
   int quiet_rounds = 0;

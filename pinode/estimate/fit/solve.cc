@@ -43,6 +43,9 @@ void SetBounds(const BoundedCost& cost, double* scaled,
 // some 15 steps in all. Two exchanged sensors took 350 steps that each saved
 // 5e-6 of the cost, and their end was not in sight.
 constexpr int kMostValleySteps = 50;
+// A step that saves more is worth its time, however long the record: the cost
+// is a negative log-likelihood.
+constexpr double kMostValleySaving = 1.0;
 
 // Returns Ceres' options. `bends`: true if steps bend.
 ceres::Solver::Options SolverOptions(const FitContext& context, bool bends,
@@ -112,7 +115,8 @@ class Solver::Callback final : public ceres::IterationCallback {
         std::abs(iteration.cost_change) < limits_.crawl * iteration.cost;
     crawling_steps_ = crawls ? crawling_steps_ + 1 : 0;
     valley_steps_ =
-        std::abs(iteration.cost_change) < limits_.valley * iteration.cost
+        std::abs(iteration.cost_change) <
+                std::min(limits_.valley * iteration.cost, kMostValleySaving)
             ? valley_steps_ + 1
             : 0;
     if (valley_steps_ >= kMostValleySteps) {
