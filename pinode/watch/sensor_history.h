@@ -27,8 +27,10 @@ struct SensorChange {
 // was turned (-1), or it has another gain. Two entries that are exchanged in
 // every shape are two sensors that were swapped. A phase that grows with the
 // frequency is a late sensor. Damage changes the entries of each mode
-// differently. Three modes at three channels are needed to tell, and three of
-// the last five records must agree. A record changes nothing before it.
+// differently. Three modes at three channels are needed to tell, four channels
+// for a gain, and three of the last five records must agree. The agreeing
+// records among the last five lose the channel too: up to four records before
+// the one that shows the fault change.
 std::vector<SensorChange> LeaveOutChangedSensors(
     const std::vector<bool>& is_reference, const TrackingOptions& options,
     std::vector<StoredRecord>* records);

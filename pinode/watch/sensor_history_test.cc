@@ -22,8 +22,9 @@ constexpr double kTwoPi = 6.283185307179586;
 // Modes of a chain of equal masses, whose springs are given. It stands on the
 // first one.
 void Solve(const Vector& springs, Vector* hz, Matrix* shapes) {
-  Matrix stiffness = Matrix::Zero(kFloors, kFloors);
-  for (int i = 0; i < kFloors; ++i) {
+  const Eigen::Index floors = springs.size();
+  Matrix stiffness = Matrix::Zero(floors, floors);
+  for (Eigen::Index i = 0; i < floors; ++i) {
     stiffness(i, i) += springs[i];
     if (i == 0) continue;
     stiffness(i - 1, i - 1) += springs[i];
@@ -35,33 +36,45 @@ void Solve(const Vector& springs, Vector* hz, Matrix* shapes) {
   *shapes = solver.eigenvectors();
 }
 
-// Records of the chain with noise of 1 % in the shapes. From the record behind
-// the reference on, it has other springs.
-std::vector<StoredRecord> Records(const Vector& springs, int count = 60) {
+// Sensors and noise of the shapes, relative to a shape of length one.
+struct Sensors {
+  std::vector<int> floors = {0, 1, 2, 3, 4, 5};  // that have a sensor
+  int num_modes = kModes;
+  double noise = 0.01;
+};
+
+// Records of the chain. From the record behind the reference on, it has other
+// springs.
+std::vector<StoredRecord> Records(const Vector& springs,
+                                  const Sensors& setup = {}) {
+  constexpr int count = 60;
+  const Eigen::Index num_sensors =
+      static_cast<Eigen::Index>(setup.floors.size());
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   std::vector<StoredRecord> records;
   for (int r = 0; r < count; ++r) {
     Vector hz;
     Matrix shapes;
-    Solve(r < kReference ? Vector::Constant(kFloors, 4000.0).eval() : springs,
+    Solve(r < kReference ? Vector::Constant(springs.size(), 4000.0).eval()
+                         : springs,
           &hz, &shapes);
     StoredRecord record;
     record.time = 3600.0 * r;
-    for (int c = 0; c < kFloors; ++c) {
-      record.channels.push_back({"a" + std::to_string(c + 1), ""});
+    for (const int floor : setup.floors) {
+      record.channels.push_back({"a" + std::to_string(floor + 1), ""});
     }
-    for (int m = 0; m < kModes; ++m) {
+    for (int m = 0; m < setup.num_modes; ++m) {
       StoredMode mode;
       mode.frequency_hz = hz[m] * (1.0 + 1e-3 * normal(random));
       mode.frequency_sigma = 1e-3 * hz[m];
       // Shapes have no scale and no phase.
       const Complex factor = std::polar(1.0 + r % 3, 0.7 * r);
-      mode.shape.resize(kFloors);
-      for (int c = 0; c < kFloors; ++c) {
+      mode.shape.resize(num_sensors);
+      for (Eigen::Index c = 0; c < num_sensors; ++c) {
         mode.shape[c] =
-            factor *
-            (shapes(c, m) + 0.01 * Complex(normal(random), normal(random)));
+            factor * (shapes(setup.floors[static_cast<size_t>(c)], m) +
+                      setup.noise * Complex(normal(random), normal(random)));
       }
       record.modes.push_back(mode);
     }
@@ -165,6 +178,28 @@ TEST(SensorHistory, BlamesNoSensorForDamage) {
       EXPECT_TRUE(changes.empty())
           << spring << " " << loss << ": " << changes[0].channel << " "
           << changes[0].fault;
+    }
+  }
+}
+
+// Few sensors on a higher chain. Three of them cannot tell a gain from damage.
+TEST(SensorHistory, FewSensorsBlameNoneForDamage) {
+  Sensors setup;
+  setup.num_modes = 3;
+  setup.noise = 0.003;
+  for (const std::vector<int>& floors :
+       {std::vector<int>{0, 4, 7}, std::vector<int>{0, 2, 5, 7}}) {
+    setup.floors = floors;
+    for (int spring = 0; spring < 8; ++spring) {
+      for (const double loss : {0.1, 0.3, 0.5}) {
+        Vector springs = Vector::Constant(8, 4000.0);
+        springs[spring] *= 1.0 - loss;
+        std::vector<StoredRecord> records = Records(springs, setup);
+        const std::vector<SensorChange> changes = Changes(&records);
+        EXPECT_TRUE(changes.empty())
+            << floors.size() << " sensors, " << spring << " " << loss << ": "
+            << changes[0].channel << " " << changes[0].fault;
+      }
     }
   }
 }
