@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -72,6 +73,12 @@ bool CheckFlags(std::string* error) {
     *error = "--structure=FILE is missing; see --help";
   } else if (FLAGS_store.empty()) {
     *error = "--store=FILE is missing; see --help";
+  } else if (!FLAGS_mend.empty() &&
+             (FLAGS_once || FLAGS_overwrite ||
+              !(FLAGS_output_dir + FLAGS_backfill).empty())) {
+    *error =
+        "--mend stores a decision and ends; leave out --output_dir, "
+        "--overwrite, --once and --backfill";
   } else if (FLAGS_mend.empty() && !(FLAGS_by + FLAGS_why).empty()) {
     *error = "--by and --why need --mend=DECISION; see --help";
   } else if (FLAGS_interval_seconds < 1) {
@@ -191,6 +198,32 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
   return true;
 }
 
+// Stores a decision. A mistyped path must not make a store, nor a mistyped name
+// a structure. Returns the exit status.
+int StoreDecision(const WatchedStructure& structure) {
+  StoredMend mend;
+  mend.time = static_cast<double>(std::time(nullptr));
+  std::unique_ptr<Store> store;
+  int64_t id = 0;
+  std::string message, error;
+  if (!ParseDecision(FLAGS_mend, FLAGS_by, FLAGS_why, &mend, &error)) {
+    return Refuse(error);
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(FLAGS_store, ignored)) {
+    return Refuse(FLAGS_store +
+                  ": no such store; run pinode_watch without --mend first");
+  }
+  if (!Store::Open(FLAGS_store, Store::Access::kReadAndWrite, &store, &error) ||
+      !store->FindStructure(structure.name, &id, &error) ||
+      !Mend(mend, id, store.get(), &message, &error)) {
+    return Refuse(error);
+  }
+  Print("%s by %s. The next analysis takes it into account.\n", message.c_str(),
+        FLAGS_by.c_str());
+  return kExitDone;
+}
+
 // Looks at the folder once or until an interrupt. Returns the exit status.
 int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
   const bool once = FLAGS_once || !FLAGS_backfill.empty();
@@ -242,25 +275,17 @@ int RunProgram(int argc, char** argv) {
   }
   std::string error;
   WatchedStructure structure;
+  if (!CheckFlags(&error) ||
+      !ReadStructureFile(FLAGS_structure, &structure, &error)) {
+    return Refuse(error);
+  }
+  if (!FLAGS_mend.empty()) return StoreDecision(structure);
   std::unique_ptr<Store> store;
   int64_t id = 0;
-  if (!CheckFlags(&error) ||
-      !ReadStructureFile(FLAGS_structure, &structure, &error) ||
-      !Store::Open(FLAGS_store, Store::Access::kReadAndWrite, &store, &error) ||
+  if (!Store::Open(FLAGS_store, Store::Access::kReadAndWrite, &store, &error) ||
       !store->OpenStructure(structure.name, ReadingSettings(structure), &id,
                             &error)) {
     return Refuse(error);
-  }
-  if (!FLAGS_mend.empty()) {
-    std::string message;
-    const double now = static_cast<double>(std::time(nullptr));
-    if (!Mend(FLAGS_mend, FLAGS_by, FLAGS_why, now, id, store.get(), &message,
-              &error)) {
-      return Refuse(error);
-    }
-    Print("%s by %s. The next analysis takes it into account.\n",
-          message.c_str(), FLAGS_by.c_str());
-    return kExitDone;
   }
   CatchInterrupts();
   return Watch(structure, id, store.get());

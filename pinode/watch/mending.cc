@@ -14,113 +14,104 @@ namespace {
 constexpr char kForms[] =
     "expected reject:FILE, accept:FILE, name:HZ=NAME or acknowledge:TIME";
 
-class Mender {
- public:
-  Mender(int64_t structure, Store* store)
-      : structure_(structure), store_(*store) {}
-
-  bool Parse(const std::string& text, StoredMend* mend, std::string* message,
-             std::string* error) {
-    const size_t colon = text.find(':');
-    mend->kind = text.substr(0, colon);
-    const std::string rest =
-        colon == std::string::npos ? "" : text.substr(colon + 1);
-    if (rest.empty()) {
-      *error = "--mend=" + text + ": " + kForms;
-      return false;
-    }
-    if (mend->kind == "reject" || mend->kind == "accept") {
-      *message = "record " + rest + ": " + mend->kind + "ed";
-      mend->value = rest;
-      return FindRecord(rest, &mend->subject, error);
-    }
-    if (mend->kind == "name") return ParseName(rest, mend, message, error);
-    if (mend->kind == "acknowledge") {
-      *message = "alarm of " + rest + ": acknowledged";
-      mend->value = rest;
-      return FindAlarm(rest, &mend->subject, error);
-    }
-    *error = "--mend=" + text + ": " + kForms;
+bool ParseName(const std::string& text, StoredMend* mend, std::string* error) {
+  const size_t equal = text.find('=');
+  double hz = 0.0;
+  if (equal == std::string::npos || equal + 1 == text.size() ||
+      !ParseDouble(text.substr(0, equal), &hz) || !(hz > 0.0)) {
+    *error = "--mend=name:" + text +
+             ": expected a frequency in Hz and a name, such as "
+             "name:13.2=torsion";
     return false;
   }
+  mend->subject = FormatNumber(hz);
+  mend->value = text.substr(equal + 1);
+  return true;
+}
 
- private:
-  bool FindRecord(const std::string& name, std::string* content,
-                  std::string* error) {
-    std::vector<StoredRecord> records;
-    if (!store_.Records(structure_, &records, error)) return false;
-    int count = 0;
-    for (const StoredRecord& record : records) {
-      if (record.name != name) continue;
-      *content = record.content;
-      ++count;
-    }
-    if (count == 1) return true;
-    *error = count == 0 ? "no record in the store has the name '" + name +
-                              "'; use the name of the file, without its folder"
-                        : std::to_string(count) +
-                              " records in the store have the "
-                              "name '" +
-                              name +
-                              "'; rename the files, and fill a new "
-                              "store by --backfill";
-    return false;
+// Finds the content of the record with a file name.
+bool FindRecord(const std::string& name, int64_t structure, Store* store,
+                std::string* content, std::string* error) {
+  std::vector<StoredRecord> records;
+  if (!store->Records(structure, &records, error)) return false;
+  int count = 0;
+  for (const StoredRecord& record : records) {
+    if (record.name != name) continue;
+    *content = record.content;
+    ++count;
   }
+  if (count == 1) return true;
+  *error = count == 0 ? "no record in the store has the name '" + name +
+                            "'; use the name of the file, without its folder"
+                      : std::to_string(count) +
+                            " records in the store have the "
+                            "name '" +
+                            name +
+                            "'; rename the files, and fill a new "
+                            "store by --backfill";
+  return false;
+}
 
-  static bool ParseName(const std::string& text, StoredMend* mend,
-                        std::string* message, std::string* error) {
-    const size_t equal = text.find('=');
-    double hz = 0.0;
-    if (equal == std::string::npos || equal + 1 == text.size() ||
-        !ParseDouble(text.substr(0, equal), &hz) || !(hz > 0.0)) {
-      *error = "--mend=name:" + text +
-               ": expected a frequency in Hz and a name, such as "
-               "name:13.2=torsion";
-      return false;
-    }
-    mend->subject = FormatNumber(hz);
-    mend->value = text.substr(equal + 1);
-    *message = "mode at " + mend->subject + " Hz: named " + mend->value;
+// Finds the time in s of the alarm with a printed time.
+bool FindAlarm(const std::string& text, int64_t structure, Store* store,
+               std::string* time, std::string* error) {
+  std::vector<StoredEvent> events;
+  if (!store->Events(structure, &events, error)) return false;
+  std::vector<std::string> alarms;
+  for (const StoredEvent& event : events) {
+    if (event.kind != "alarm") continue;
+    alarms.push_back(DateText(event.time));
+    if (alarms.back() != text) continue;
+    *time = FormatNumber(event.time, 17);
     return true;
   }
-
-  bool FindAlarm(const std::string& text, std::string* time,
-                 std::string* error) {
-    std::vector<StoredEvent> events;
-    if (!store_.Events(structure_, &events, error)) return false;
-    std::vector<std::string> alarms;
-    for (const StoredEvent& event : events) {
-      if (event.kind != "alarm") continue;
-      alarms.push_back(DateText(event.time));
-      if (alarms.back() != text) continue;
-      *time = FormatNumber(event.time, 17);
-      return true;
-    }
-    *error = "no alarm of '" + text + "' is in the store; " +
-             (alarms.empty() ? std::string("it has none")
-                             : "the last one is of " + alarms.back());
-    return false;
-  }
-
-  int64_t structure_;
-  Store& store_;
-};
+  *error = "no alarm of '" + text + "' is in the store; " +
+           (alarms.empty() ? std::string("it has none")
+                           : "the last one is of " + alarms.back());
+  return false;
+}
 
 }  // namespace
 
-bool Mend(const std::string& text, const std::string& person,
-          const std::string& reason, double now, int64_t structure,
-          Store* store, std::string* message, std::string* error) {
+bool ParseDecision(const std::string& text, const std::string& person,
+                   const std::string& reason, StoredMend* mend,
+                   std::string* error) {
   if (person.empty() || reason.empty()) {
     *error = "--mend needs --by=PERSON and --why=REASON, which are stored too";
     return false;
   }
-  StoredMend mend;
-  mend.time = now;
-  mend.person = person;
-  mend.reason = reason;
-  return Mender(structure, store).Parse(text, &mend, message, error) &&
-         store->AddMend(structure, mend, error);
+  mend->person = person;
+  mend->reason = reason;
+  const size_t colon = text.find(':');
+  mend->kind = text.substr(0, colon);
+  mend->value = colon == std::string::npos ? "" : text.substr(colon + 1);
+  if (!mend->value.empty()) {
+    if (mend->kind == "name") return ParseName(mend->value, mend, error);
+    if (mend->kind == "reject" || mend->kind == "accept" ||
+        mend->kind == "acknowledge") {
+      return true;
+    }
+  }
+  *error = "--mend=" + text + ": " + kForms;
+  return false;
+}
+
+bool Mend(StoredMend mend, int64_t structure, Store* store,
+          std::string* message, std::string* error) {
+  if (mend.kind == "name") {
+    *message = "mode at " + mend.subject + " Hz: named " + mend.value;
+  } else if (mend.kind == "acknowledge") {
+    *message = "alarm of " + mend.value + ": acknowledged";
+    if (!FindAlarm(mend.value, structure, store, &mend.subject, error)) {
+      return false;
+    }
+  } else {
+    *message = "record " + mend.value + ": " + mend.kind + "ed";
+    if (!FindRecord(mend.value, structure, store, &mend.subject, error)) {
+      return false;
+    }
+  }
+  return store->AddMend(structure, mend, error);
 }
 
 int LeaveOutRejected(const std::vector<StoredMend>& mends,

@@ -13,7 +13,7 @@
 
 namespace pinode {
 
-// Parses a decision and stores it:
+// Parses a decision:
 //
 //   reject:FILE          the record is left out of the analysis
 //   accept:FILE          takes that back
@@ -21,19 +21,24 @@ namespace pinode {
 //   acknowledge:TIME     somebody has seen the alarm of this time
 //
 // FILE is the name under which the record was stored. Refuses, with one line,
-// what is not in the store, and a decision without a person or a reason.
-// *message tells what was stored.
-[[nodiscard]] bool Mend(const std::string& text, const std::string& person,
-                        const std::string& reason, double now,
-                        int64_t structure, Store* store, std::string* message,
-                        std::string* error);
+// another form, and a decision without a person or a reason. The time stays.
+[[nodiscard]] bool ParseDecision(const std::string& text,
+                                 const std::string& person,
+                                 const std::string& reason, StoredMend* mend,
+                                 std::string* error);
+
+// Finds the record or the alarm of a parsed decision, and stores the decision.
+// Refuses, with one line, a subject that is not in the store. *message tells
+// what was stored.
+[[nodiscard]] bool Mend(StoredMend mend, int64_t structure, Store* store,
+                        std::string* message, std::string* error);
 
 // Removes the rejected records and returns their number.
 int LeaveOutRejected(const std::vector<StoredMend>& mends,
                      std::vector<StoredRecord>* records);
 
-// Returns the names of modes, by their frequencies in Hz. The last name of a
-// frequency counts.
+// Returns the names of modes with their frequencies in Hz, the oldest first.
+// The last name of a mode counts.
 std::vector<std::pair<double, std::string>> NamesOfModes(
     const std::vector<StoredMend>& mends);
 

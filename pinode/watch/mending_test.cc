@@ -41,8 +41,10 @@ class MendingTest : public ::testing::Test {
 
   bool Try(const std::string& text, const std::string& person = "N. N.",
            const std::string& reason = "crane") {
-    return Mend(text, person, reason, 1e6, id_, store_.get(), &message_,
-                &error_);
+    StoredMend mend;
+    mend.time = 1e6;
+    return ParseDecision(text, person, reason, &mend, &error_) &&
+           Mend(mend, id_, store_.get(), &message_, &error_);
   }
   WatchAnalysis Analyse() {
     WatchAnalysis analysis;
@@ -86,6 +88,13 @@ TEST_F(MendingTest, ANameIsInTheNameOfTheMode) {
   EXPECT_EQ(analysis.series.names,
             std::vector<std::string>{"mode 1 (2.002 Hz, bending)"});
   EXPECT_EQ(DecisionText(analysis.mends[0]), "name 2.01 Hz: bending");
+}
+
+TEST_F(MendingTest, TheLastNameOfAModeCounts) {
+  ASSERT_TRUE(Try("name:2.002=bending")) << error_;
+  ASSERT_TRUE(Try("name:2.05=torsion")) << error_;
+  EXPECT_EQ(Analyse().series.names,
+            std::vector<std::string>{"mode 1 (2.002 Hz, torsion)"});
 }
 
 TEST_F(MendingTest, AnAlarmIsAcknowledgedOnce) {

@@ -256,6 +256,19 @@ bool Store::OpenStructure(const std::string& name, const std::string& settings,
   return transaction.Commit(error);
 }
 
+bool Store::FindStructure(const std::string& name, int64_t* id,
+                          std::string* error) {
+  Statement find(database_, "SELECT id FROM structure WHERE name = ?");
+  if (find.Bind(name).Step()) {
+    *id = find.Integer(0);
+    return true;
+  }
+  if (!find.IsAtEnd()) return Fail(error);
+  *error = path_ + ": no structure '" + name +
+           "' is in this store; run pinode_watch without --mend first";
+  return false;
+}
+
 bool Store::Has(int64_t structure, const std::string& content, bool* has,
                 std::string* error) {
   Statement find(database_,

@@ -121,6 +121,10 @@ class Store {
                                    const std::string& settings, int64_t* id,
                                    std::string* error);
 
+  // Finds a structure that must be there.
+  [[nodiscard]] bool FindStructure(const std::string& name, int64_t* id,
+                                   std::string* error);
+
   [[nodiscard]] bool Has(int64_t structure, const std::string& content,
                          bool* has, std::string* error);
   // Adds a record as a whole. *added is false if another process has done so.

@@ -36,6 +36,13 @@ Refused "--overwrite needs --output_dir" --structure=watched_bridge.toml \
   --store=E --overwrite
 Refused "at least 1" --structure=watched_bridge.toml --store=E \
   --interval_seconds=0
+Refused "no such store" --structure=watched_bridge.toml --store=E \
+  --mend=reject:a.csv --by=N --why=crane
+Refused "expected reject:FILE" --structure=watched_bridge.toml --store=E \
+  --mend=lose:a.csv --by=N --why=crane
+Refused "leave out --output_dir" --structure=watched_bridge.toml --store=E \
+  --mend=reject:a.csv --by=N --why=crane --once
+[[ ! -e E ]] || Fail "a refused decision made a store"
 sed 's/^pattern/patern/' watched_bridge.toml >bad.toml
 Refused "did you mean 'pattern'" --structure=bad.toml --store=E
 Run 2 pinode_watch --structure=watched_bridge.toml --store=none/w.db --once
@@ -73,6 +80,12 @@ grep -q '"light": "alarm"' D/watch.json || Fail "no alarm in watch.json"
 grep -q '<svg' D/watch.html || Fail "no figure"
 ! grep -q 'could not be drawn' D/watch.html || Fail "a figure is missing"
 ! grep -qE '(src|href)="?https?:' D/watch.html || Fail "the page loads something"
+
+# A decision about a structure that is not there adds none.
+sed 's/^name = "watched_bridge"/name = "other"/' watched_bridge.toml >bad.toml
+grep -q '^name = "other"' bad.toml || Fail "the structure file differs"
+Run 2 pinode_watch --structure=bad.toml --store=w.db --mend=name:2=a --by=N --why=b
+grep -q "no structure 'other' is in this store" stderr || Fail "a structure was added"
 
 # All is known now.
 Run 0 pinode_watch --structure=watched_bridge.toml --store=w.db --once
