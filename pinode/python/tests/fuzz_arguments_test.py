@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import pinode
-from pinode import calculix, elements, figures, frames, opensees
+from pinode import calculix, elements, figures, frames, opensees, watch
 
 EXAMPLES = int(os.environ.get("PINODE_FUZZ_EXAMPLES", "40"))
 SEED = 20261127
@@ -262,6 +262,8 @@ FUNCTIONS = {
     "elements.build": (lambda: elements.build, dict(
         source="struct A {};", library="a.so", compiler="none"), {
         "source": "path", "library": "path", "include": "list", "compiler": "text"}),
+    "watch.Store": (lambda: watch.Store, dict(path="none.db"), {
+        "path": "path", "structure": "name"}),
     "opensees.read_matrix": (lambda: opensees.read_matrix, dict(path="none"), {
         "path": "path"}),
     "opensees.read": (lambda: opensees.read, dict(

@@ -346,6 +346,8 @@ def test_files_of_anything(fit, folder, data):
         lambda v: folder.to_pandas(v),
         lambda v: folder.response(v),
         lambda v: pinode.opensees.read_matrix(v),
+        lambda v: pinode.watch.Store(v),
+        lambda v: pinode.watch.Store("result/result.json", v),
         lambda v: pinode.identify_modes(v, columns=["a1"]),
         lambda v: case.discover(model=v),
         lambda v: pinode.opensees.read(v, v, dofs={1: [0]}),

@@ -3,6 +3,7 @@
 import csv
 import os
 import pathlib
+import shutil
 import sqlite3
 import subprocess
 
@@ -126,6 +127,70 @@ def test_what_is_no_store_is_refused(tmp_path):
     sqlite3.connect(tmp_path / "other.db").execute("CREATE TABLE a (b)").connection.close()
     with pytest.raises(pinode.Error, match="not a store"):
         pinode.watch.Store(tmp_path / "other.db")
+
+
+def test_a_record_that_arrives_between_two_queries(folder, tmp_path):
+    folder, _, _ = folder
+    for name in ("records", "modes", "histories", "alarms"):
+        path = tmp_path / f"{name}.db"
+        shutil.copy(folder / "w.db", path)
+        store = pinode.watch.Store(path)
+        before, read, calls = len(next(iter(getattr(store, name)().values()))), store._rows, []
+
+        def rows_and_write(sql):
+            found = read(sql)
+            if not calls:
+                with sqlite3.connect(path) as other:
+                    other.execute("INSERT INTO record VALUES (999, 1, 'x', 'x.csv', 1.8e9, 1, '')")
+                    other.execute("INSERT INTO covariate VALUES (999, 'T', 3.0)")
+                    other.execute("DELETE FROM event")
+                other.close()
+            calls.append(sql)
+            return found
+
+        store._rows = rows_and_write
+        assert len(next(iter(getattr(store, name)().values()))) == before
+        # The transaction is over: the next call sees the record.
+        store._rows = read
+        assert "x.csv" in store.records()["record"] and len(store.alarms()["time"]) == 0
+        store.close()
+        with pytest.raises(pinode.Error, match="closed"):
+            store.records()
+
+
+def test_arrays_are_the_users_own(folder):
+    store = pinode.watch.Store(folder[0] / "w.db")
+    store.histories()["mode_1_hz"][0] = 1.0
+    store.modes()["shape"][0][0] = 1.0
+
+
+@pytest.mark.parametrize("change", [
+    "UPDATE history SET \"values\" = x'00' WHERE name = 'light'",
+    "UPDATE history SET \"values\" = 'text'", "DELETE FROM history WHERE name = 'light'",
+    "UPDATE history SET \"values\" = (SELECT \"values\" FROM history WHERE name = 'time') "
+    "WHERE name = 'light'",
+    "UPDATE mode SET shape = 3", "UPDATE mode SET frequency_hz = 'high'",
+    "UPDATE record SET duration = 'long'", "UPDATE record SET time = 'now'",
+    "UPDATE covariate SET value = 'warm'", "UPDATE covariate SET name = 'record'",
+    "UPDATE event SET time = 'now'", "UPDATE record SET time = 1e300",
+    "INSERT INTO mend (structure, time, person, reason, kind, subject, value) VALUES "
+    "(1, 'now', 'N', 'w', 'acknowledge', 'today', 'v')",
+])
+def test_a_damaged_store_is_refused_in_one_line(folder, tmp_path, change):
+    shutil.copy(folder[0] / "w.db", tmp_path / "w.db")
+    with sqlite3.connect(tmp_path / "w.db") as other:
+        assert other.execute(change).rowcount > 0
+    other.close()
+    refused = 0
+    with pinode.watch.Store(tmp_path / "w.db") as store:
+        for name in ("records", "modes", "histories", "alarms", "decisions"):
+            try:
+                getattr(store, name)()
+            except pinode.Error as failure:
+                assert "w.db: " in str(failure) and "\n" not in str(failure)
+                refused += 1
+    # A time that is no date is none.
+    assert refused > 0 or "1e300" in change
 
 
 def test_the_structure_must_be_there(folder):

@@ -121,6 +121,9 @@ def test_figures(name):
     (lambda: calculix.export("a.inp", ["a"], ccx=None), "ccx"),
     (lambda: calculix.export("a\0.inp", ["a"]), "deck"),
     (lambda: elements.build("struct A {};", "a.so", compiler=None), "compiler"),
+    (lambda: pinode.watch.Store(5), "path"),
+    (lambda: pinode.watch.Store("x" * 5000), "no such store"),
+    (lambda: pinode.watch.Store("a.db", 5), "structure"),
     (lambda: elements.build("\0", "a.so", compiler="true"), "source"),
 ])
 def test_is_named(call, named):
