@@ -154,6 +154,7 @@ ScoreAverage::ScoreAverage(Eigen::Index num_features, Eigen::Index num_effects,
                            double memory)
     : memory_(memory),
       sum_(Vector::Zero(num_features)),
+      unlimited_sum_(sum_),
       sum_covariance_(Matrix::Zero(num_features, num_features)),
       weight_(Matrix::Zero(num_features, num_features)),
       effect_(Matrix::Zero(num_features, num_effects)) {}
@@ -161,6 +162,10 @@ ScoreAverage::ScoreAverage(Eigen::Index num_features, Eigen::Index num_effects,
 void ScoreAverage::Add(double step, const Innovation& innovation) {
   const double keep = std::exp(-step / memory_);
   sum_ = keep * sum_ + innovation.score;
+  // Simulated innovations have none.
+  if (innovation.unlimited_score.size() > 0) {
+    unlimited_sum_ = keep * unlimited_sum_ + innovation.unlimited_score;
+  }
   sum_covariance_ = keep * keep * sum_covariance_ + innovation.information;
   weight_ = keep * weight_ + innovation.information;
   if (effect_.cols() > 0) {
@@ -183,7 +188,7 @@ double ScoreAverage::Score(const Matrix& coefficient_covariance) const {
 
 void ScoreAverage::Change(const Matrix& coefficient_covariance, Vector* change,
                           Vector* deviation) const {
-  *change = SolveScaled(weight_, sum_);
+  *change = SolveScaled(weight_, unlimited_sum_);
   deviation->resize(change->size());
   const Matrix covariance =
       sum_covariance_ + effect_ * coefficient_covariance * effect_.transpose();

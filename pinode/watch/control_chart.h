@@ -36,13 +36,15 @@ class ScoreAverage {
   // J its covariance, V the effect of the model's coefficients on U and C their
   // covariance. An empty C is left out.
   double Score(const Matrix& coefficient_covariance) const;
-  // Estimates the change of each feature and its standard deviation.
+  // Estimates the change of each feature and its standard deviation, by
+  // residuals that are not limited.
   void Change(const Matrix& coefficient_covariance, Vector* change,
               Vector* deviation) const;
 
  private:
   double memory_;
   Vector sum_;
+  Vector unlimited_sum_;
   Matrix sum_covariance_;
   Matrix weight_;  // information, decayed once
   Matrix effect_;

@@ -29,6 +29,7 @@ std::vector<Innovation> WhiteInnovations(int count, unsigned seed,
         innovation.whitened_change.transpose() * innovation.whitened;
     innovation.information =
         innovation.whitened_change.transpose() * innovation.whitened_change;
+    innovation.unlimited_score = innovation.score;
     innovation.t2_score = NormalScore(innovation.whitened.squaredNorm(),
                                       static_cast<double>(present));
     innovation.coefficient_effect = Matrix::Zero(2, 0);

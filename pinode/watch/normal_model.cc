@@ -477,13 +477,15 @@ std::vector<Innovation> FilterSeries(const FeatureSeries& series,
   const Eigen::Index effects = p * (terms + covariates);
   std::vector<Innovation> innovations(
       static_cast<size_t>(series.num_records()));
-  Filter filter(model, series, 1 + p + effects);
+  // The second column holds the same values as the first one, unlimited.
+  Filter filter(model, series, 2 + p + effects);
   const Matrix covariance = CovarianceWithOutside(model);
   for (Eigen::Index r = 0; r < series.num_records(); ++r) {
     Innovation& innovation = innovations[static_cast<size_t>(r)];
     innovation.residuals = Vector::Constant(p, kNaN);
     innovation.deviations = Vector::Constant(p, kNaN);
     innovation.score = Vector::Zero(p);
+    innovation.unlimited_score = Vector::Zero(p);
     innovation.information = Matrix::Zero(p, p);
     innovation.coefficient_effect = Matrix::Zero(p, effects);
     const std::vector<Eigen::Index> present = PresentFeatures(series, r);
@@ -491,13 +493,14 @@ std::vector<Innovation> FilterSeries(const FeatureSeries& series,
     if (present.empty() || !row.allFinite()) continue;
     const Vector outside = model.Outside(series, r);
     const Eigen::Index count = static_cast<Eigen::Index>(present.size());
-    Matrix columns = Matrix::Zero(count, 1 + p + effects);
+    Matrix columns = Matrix::Zero(count, 2 + p + effects);
     for (Eigen::Index i = 0; i < count; ++i) {
       const Eigen::Index f = present[static_cast<size_t>(i)];
       columns(i, 0) = series.values(r, f) - row.dot(model.coefficients.col(f));
-      columns(i, 1 + f) = 1.0;
-      columns.block(i, 1 + p + f * terms, 1, terms) = row;
-      columns.block(i, 1 + p + p * terms + f * covariates, 1, covariates) =
+      columns(i, 1) = columns(i, 0);
+      columns(i, 2 + f) = 1.0;
+      columns.block(i, 2 + p + f * terms, 1, terms) = row;
+      columns.block(i, 2 + p + p * terms + f * covariates, 1, covariates) =
           outside.transpose();
     }
     Eigen::LLT<Matrix> factor;
@@ -512,7 +515,7 @@ std::vector<Innovation> FilterSeries(const FeatureSeries& series,
     innovation.valid = true;
     innovation.num_present = static_cast<int>(count);
     innovation.whitened = white.col(0);
-    innovation.whitened_change = white.middleCols(1, p);
+    innovation.whitened_change = white.middleCols(2, p);
     const auto effect = white.rightCols(effects);
     const Matrix wider = Matrix::Identity(count, count) +
                          effect * covariance * effect.transpose();
@@ -520,6 +523,8 @@ std::vector<Innovation> FilterSeries(const FeatureSeries& series,
         NormalScore(white.col(0).dot(wider.llt().solve(white.col(0))),
                     static_cast<double>(count));
     innovation.score = innovation.whitened_change.transpose() * white.col(0);
+    innovation.unlimited_score =
+        innovation.whitened_change.transpose() * white.col(1);
     innovation.information =
         innovation.whitened_change.transpose() * innovation.whitened_change;
     innovation.coefficient_effect =

@@ -86,6 +86,9 @@ struct Innovation {
   // Score of a lasting change, M' (L L')^-1 e, and its information.
   Vector score;
   Matrix information;
+  // The same score of residuals that are not limited. It tells how large a
+  // change is, but raises no alarm.
+  Vector unlimited_score;
   // M' (L L')^-1 G. G is the effect of the model's coefficients, and behind
   // them of slopes outside of the learned range, one per feature and covariate.
   Matrix coefficient_effect;

@@ -130,6 +130,31 @@ class StructureFileReader {
     }
   }
 
+  // A covariate is a column of histories.csv and of the records in Python.
+  static void CheckName(const TomlTable& table, const std::string& name) {
+    bool is_taken = StartsWithModeNumber(name);
+    for (const char* column : {"time", "record", "light", "t2", "average"}) {
+      is_taken = is_taken || name == column;
+    }
+    bool is_taken_in_python = false;
+    for (const char* column : {"duration_s", "refusal", "rejected"}) {
+      is_taken_in_python = is_taken_in_python || name == column;
+    }
+    if (!is_taken && !is_taken_in_python) return;
+    table.Fail("name",
+               "the name '" + name + "' is that of a column of " +
+                   (is_taken ? "histories.csv" : "Store.records() in Python") +
+                   ", expected another name");
+  }
+
+  // True for "mode_3_" and what follows.
+  static bool StartsWithModeNumber(const std::string& name) {
+    const std::string begin = "mode_";
+    if (name.compare(0, begin.size(), begin) != 0) return false;
+    const size_t end = name.find_first_not_of("0123456789", begin.size());
+    return end != std::string::npos && end > begin.size() && name[end] == '_';
+  }
+
   void ReadCovariates() {
     for (const TomlTable& table : root_.Tables("covariate")) {
       table.AllowKeys(StructureKeys("covariate"));
@@ -148,6 +173,7 @@ class StructureFileReader {
                                : "time is missing, expected the column of the "
                                  "clock times in `file`");
       }
+      CheckName(table, covariate.name);
       for (const WatchedCovariate& other : structure_.covariates) {
         if (other.name != covariate.name) continue;
         table.Fail("name", "the name '" + covariate.name +

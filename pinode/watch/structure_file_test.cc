@@ -126,6 +126,29 @@ TEST(StructureFile, RefusesInOneLine) {
                             "name = \"T\"\n")
                 .find("twice"),
             std::string::npos);
+  for (const char* name :
+       {"time", "record", "light", "t2", "average", "mode_1_hz", "mode_12_"}) {
+    EXPECT_NE(ErrorOf(least + "[[covariate]]\nname = \"" + name + "\"\n")
+                  .find("the name '" + std::string(name) +
+                        "' is that of a column of histories.csv, expected "
+                        "another name"),
+              std::string::npos)
+        << name;
+  }
+  for (const char* name : {"duration_s", "refusal", "rejected"}) {
+    EXPECT_NE(ErrorOf(least + "[[covariate]]\nname = \"" + name + "\"\n")
+                  .find("column of Store.records()"),
+              std::string::npos)
+        << name;
+  }
+  for (const char* name : {"Time", "mode_1", "mode_x_hz", "mode__hz"}) {
+    WatchedStructure structure;
+    std::string error;
+    EXPECT_TRUE(
+        ParseStructureFile(least + "[[covariate]]\nname = \"" + name + "\"\n",
+                           "b.toml", &structure, &error))
+        << error;
+  }
   EXPECT_NE(ErrorOf(least + "[modes]\nmax_ordr = 4\n").find("max_order"),
             std::string::npos);
   EXPECT_EQ(ErrorOf(least + "[modes]\nmax_order = 5\n").find("b.toml:5: "), 0u);

@@ -38,7 +38,9 @@ CaseTable CovariateKeys() {
       "[[covariate]]",
       "",
       {
-          {"name", "text", "", "needed", "Name of the covariate."},
+          {"name", "text", "", "needed",
+           "Name of the covariate, other than the columns of `histories.csv` "
+           "and of `records()` in Python."},
           {"column", "text", "a column", "its name", "Column of its values."},
           {"kink", "number", "unit of the column", "no kink",
            "Value at which the slope may change, such as 0 degrees Celsius."},

@@ -268,7 +268,8 @@ class AlarmKeeper {
   }
 
   // Returns the reasons: faulty sensors and covariates first, then the features
-  // that moved most.
+  // that moved most. Changes are printed in full, although the chart limits
+  // residuals.
   std::string AlarmText(size_t r, const std::string& outside) const {
     std::vector<std::string> parts;
     for (const StoredChannel& channel : analysis_.records[r].channels) {
@@ -282,13 +283,13 @@ class AlarmKeeper {
     const bool by_average =
         analysis_.chart[r].average - analysis_.thresholds.alarm.average >=
         analysis_.chart[r].t2 - analysis_.thresholds.alarm.t2;
-    Vector change, deviation;
-    if (by_average) {
-      average_.Change(covariance_, &change, &deviation);
-    } else {
-      change = innovations_[r].residuals;
-      deviation = innovations_[r].deviations;
-    }
+    const Eigen::Index record = static_cast<Eigen::Index>(r);
+    const Vector now =
+        (analysis_.series.values.row(record) - analysis_.expected.row(record))
+            .transpose();
+    Vector change = now;
+    Vector deviation = analysis_.expected_deviations.row(record).transpose();
+    if (by_average) average_.Change(covariance_, &change, &deviation);
     std::vector<std::pair<double, Eigen::Index>> moved;
     for (Eigen::Index f = 0; f < change.size(); ++f) {
       const double size = std::abs(change[f]) / deviation[f];
@@ -299,7 +300,11 @@ class AlarmKeeper {
       const Eigen::Index f = moved[i].second;
       parts.push_back(analysis_.series.names[static_cast<size_t>(f)] + " " +
                       Percent(change[f]) + " (" +
-                      FormatNumber(-moved[i].first, 2) + " deviations)");
+                      FormatNumber(-moved[i].first, 2) + " deviations" +
+                      // The average lags behind a sudden change.
+                      (by_average && std::isfinite(now[f])
+                           ? "; " + Percent(now[f]) + " in this record)"
+                           : std::string(")")));
     }
     return (by_average ? "lasting change: " : "this record: ") +
            Join(parts, "; ");

@@ -50,18 +50,24 @@ void MarkReference(const ReferencePeriod& reference, WatchAnalysis* analysis) {
           : count > 0 && analysis->records.back().time >= reference.to;
 }
 
-// Returns the name that a person gave to the mode, or nothing.
-std::string NameOfMode(const WatchedStructure& structure, double hz) {
-  // The frequency may be that of a single record.
-  double least = std::log1p(structure.tracking.largest_step);
-  std::string name;
-  for (const auto& [named_hz, text] : structure.mode_names) {
-    const double step = std::abs(std::log(named_hz / hz));
-    if (step > least) continue;
-    least = step;
-    name = text;
+// Returns the names that people gave to the watched modes; empty: none. Each
+// name goes to the nearest mode, and the last one of a mode counts.
+std::vector<std::string> NamesOfWatched(const WatchedStructure& structure,
+                                        const std::vector<double>& watched_hz) {
+  std::vector<std::string> names(watched_hz.size());
+  for (const auto& [hz, text] : structure.mode_names) {
+    // The frequency may be that of a single record.
+    double least = std::log1p(structure.tracking.largest_step);
+    size_t nearest = names.size();
+    for (size_t f = 0; f < watched_hz.size(); ++f) {
+      const double step = std::abs(std::log(hz / watched_hz[f]));
+      if (step > least) continue;
+      least = step;
+      nearest = f;
+    }
+    if (nearest < names.size()) names[nearest] = text;
   }
-  return name;
+  return names;
 }
 
 // Turns the histories that are present often enough into features.
@@ -113,10 +119,13 @@ void MakeSeries(const WatchedStructure& structure, WatchAnalysis* analysis) {
   for (Eigen::Index r = 0; r < num_records; ++r) {
     series.times[r] = records[static_cast<size_t>(r)].time;
   }
+  std::vector<double> watched_hz;
+  for (const auto& entry : watched) watched_hz.push_back(entry.first);
+  const std::vector<std::string> names = NamesOfWatched(structure, watched_hz);
   for (Eigen::Index f = 0; f < num_features; ++f) {
     const auto& [hz, h] = watched[static_cast<size_t>(f)];
     analysis->reference_hz[f] = hz;
-    std::string name = NameOfMode(structure, hz);
+    std::string name = names[static_cast<size_t>(f)];
     if (!name.empty()) name = ", " + name;
     series.names.push_back("mode " + std::to_string(f + 1) + " (" +
                            FormatNumber(hz, 4) + " Hz" + name + ")");

@@ -87,6 +87,75 @@ TEST(WatchAnalysis, NamesTheModesThatMoved) {
   EXPECT_NE(alarm->text.find("deviations"), std::string::npos);
 }
 
+// The chart counts a residual as four deviations at most. The text must not.
+TEST(WatchAnalysis, AnAlarmPrintsTheWholeChange) {
+  const WatchAnalysis analysis =
+      AnalyseRecords(Structure(), Records(800, 700, std::log(0.95)));
+  ASSERT_TRUE(analysis.has_chart);
+  const auto alarm = std::find_if(
+      analysis.events.begin(), analysis.events.end(),
+      [](const StoredEvent& event) { return event.kind == "alarm"; });
+  ASSERT_NE(alarm, analysis.events.end());
+  EXPECT_EQ(alarm->time, 1.7e9 + kRecordStep * 700);
+  for (const int mode : {1, 3}) {
+    // In the record itself, also if the average raises the alarm.
+    const size_t begin = alarm->text.find("mode " + std::to_string(mode));
+    ASSERT_NE(begin, std::string::npos) << alarm->text;
+    size_t at = alarm->text.find("Hz) ", begin);
+    ASSERT_NE(at, std::string::npos) << alarm->text;
+    if (alarm->text.find("lasting") == 0) {
+      at = alarm->text.find("; ", at);
+    } else {
+      at += 3;
+    }
+    // Noise of 0.2 % in each record.
+    EXPECT_NEAR(std::stod(alarm->text.substr(at + 1)), 100.0 * std::log(0.95),
+                1.0)
+        << alarm->text;
+  }
+}
+
+// The average of a change that has lasted is the change.
+TEST(WatchAnalysis, TheUnlimitedAverageIsTheMeanChange) {
+  WatchAnalysis analysis =
+      AnalyseRecords(Structure(), Records(900, 700, std::log(0.95)));
+  ASSERT_TRUE(analysis.has_chart);
+  const std::vector<Innovation> innovations =
+      FilterSeries(analysis.series, analysis.model);
+  const Matrix covariance = CovarianceWithOutside(analysis.model);
+  ScoreAverage average(3, covariance.rows(), 3.0 * kDay);
+  for (const Innovation& innovation : innovations) {
+    average.Add(kRecordStep, innovation);
+  }
+  Vector change, deviation;
+  average.Change(covariance, &change, &deviation);
+  EXPECT_NEAR(change[0], std::log(0.95), 5.0 * deviation[0]);
+  EXPECT_NEAR(change[1], 0.0, 5.0 * deviation[1]);
+  EXPECT_NEAR(change[2], std::log(0.95), 5.0 * deviation[2]);
+  EXPECT_LT(deviation.maxCoeff(), 0.002);
+}
+
+// Close modes are named one by one.
+TEST(WatchAnalysis, ANameGoesToTheNearestModeOnly) {
+  std::vector<StoredRecord> records = Records(40, 40, 0.0);
+  for (StoredRecord& record : records) {
+    record.modes.resize(2);
+    // 5 % apart, with orthogonal shapes.
+    record.modes[1].frequency_hz *= 0.525;
+    record.modes[1].shape[1] = -1.0;
+  }
+  WatchedStructure structure = Structure();
+  structure.reference.num_records = 35;
+  structure.mode_names = {{2.9, "bending"}, {3.2, "torsion"}, {9.0, "far"}};
+  const WatchAnalysis analysis = AnalyseRecords(structure, records);
+  ASSERT_EQ(analysis.series.num_features(), 2);
+  EXPECT_NE(analysis.series.names[0].find("Hz, bending)"), std::string::npos);
+  EXPECT_NE(analysis.series.names[1].find("Hz, torsion)"), std::string::npos);
+  structure.mode_names = {{3.1, "torsion"}};
+  EXPECT_EQ(AnalyseRecords(structure, records).series.names[0].find("torsion"),
+            std::string::npos);
+}
+
 // A record in a cold that was never learned is no evidence. Its notice says so,
 // also if the light was on notice before.
 TEST(WatchAnalysis, OneRecordOutsideOfTheLearnedRangeIsNoAlarm) {
@@ -131,6 +200,15 @@ TEST(WatchAnalysis, ATurnedSensorIsNamedAndCostsNoHistory) {
   ASSERT_TRUE(analysis.has_chart);
   ASSERT_EQ(analysis.sensor_changes.size(), 1u);
   EXPECT_EQ(analysis.sensor_changes[0].channel, "b");
+  // The summary goes on naming it.
+  EXPECT_NE(WatchSummary(Structure(1.0), analysis)
+                .find("\nLeft out: b (is turned: its sign is opposite to that "
+                      "of the reference in every mode).\n"),
+            std::string::npos);
+  EXPECT_EQ(WatchSummary(Structure(1.0),
+                         AnalyseRecords(Structure(1.0), Records(20, 20, 0.0)))
+                .find("Left out"),
+            std::string::npos);
   // All modes are watched until the end.
   EXPECT_FALSE(analysis.series.values.row(690).hasNaN());
   EXPECT_TRUE(std::any_of(analysis.events.begin(), analysis.events.end(),

@@ -57,6 +57,18 @@ std::string EventsAsCsv(const WatchAnalysis& analysis) {
   return text;
 }
 
+// Channels that the last record leaves out, with their faults.
+std::vector<StoredChannel> LeftOut(const WatchAnalysis& analysis) {
+  std::vector<StoredChannel> channels;
+  if (analysis.records.empty()) return channels;
+  for (StoredChannel channel : analysis.records.back().channels) {
+    if (channel.fault.empty()) continue;
+    if (channel.fault.back() == '.') channel.fault.pop_back();
+    channels.push_back(std::move(channel));
+  }
+  return channels;
+}
+
 Json LimitAsJson(double limit, double lower, double upper) {
   return {{"limit", limit}, {"lower95", lower}, {"upper95", upper}};
 }
@@ -101,6 +113,11 @@ Json AsJson(const WatchedStructure& structure, const WatchAnalysis& analysis) {
         {"t2_notice", thresholds.notice.t2},
         {"average_notice", thresholds.notice.average}};
   }
+  Json left_out = Json::array();
+  for (const StoredChannel& channel : LeftOut(analysis)) {
+    left_out.push_back({{"channel", channel.name}, {"fault", channel.fault}});
+  }
+  json["left_out"] = std::move(left_out);
   Json events = Json::array();
   for (const StoredEvent& event : analysis.events) {
     events.push_back(
@@ -178,6 +195,11 @@ std::string WatchSummary(const WatchedStructure& structure,
             DateText(analysis.records.back().time) + ".";
   }
   text += "\n";
+  std::vector<std::string> left_out;
+  for (const StoredChannel& channel : LeftOut(analysis)) {
+    left_out.push_back(channel.name + " (" + channel.fault + ")");
+  }
+  if (!left_out.empty()) text += "Left out: " + Join(left_out, ", ") + ".\n";
   if (!analysis.has_chart) {
     return text + "No alarm can be raised: " + analysis.reason + ".\n";
   }
