@@ -444,7 +444,13 @@ void CheckConvergence(const GapTuning& gaps, const FitSummary& fit,
                          Text("the fit has not converged after ",
                               fit.num_iterations, " iterations"),
                          static_cast<double>(fit.num_iterations), kNaN,
-                         "raise options.max_iterations"});
+                         // Fits of ambient records also end where further
+                         // steps gain next to nothing.
+                         fit.ambient.empty()
+                             ? "raise options.max_iterations"
+                             : "raise options.max_iterations if it allows no "
+                               "more; else check sign, order and gain of the "
+                               "sensors, which the model contradicts"});
   }
 }
 
