@@ -47,7 +47,7 @@ constexpr double kRoundingSquare = 1e-20;
 constexpr double kLeastLeft = 0.5;
 // Number of DOFs up to which modes without standard deviations are searched.
 // Modes of larger models are not worth their time here.
-constexpr int kMostDofs = 200;
+constexpr int kMostSearchedDofs = 200;
 
 Suspect LeftOut(const IdentificationProblem& problem, size_t i) {
   const MeasuredMode& mode = problem.modal.modes[i];
@@ -159,7 +159,8 @@ bool ModesSearch::IsBeyondDeviations() const {
 // True if a shape has no partner, or one that a fault of a sensor may explain.
 bool ModesSearch::IsAnyShapeUnlike() const {
   const bool has_deviations = problem_.modal.HasSigmasOfAll();
-  if (!has_deviations && problem_.dynamics->model().num_dofs() > kMostDofs) {
+  if (!has_deviations &&
+      problem_.dynamics->model().num_dofs() > kMostSearchedDofs) {
     return false;
   }
   return std::any_of(fit_.modes.begin(), fit_.modes.end(),
