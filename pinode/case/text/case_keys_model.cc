@@ -469,10 +469,9 @@ CaseTable NetworkKeys() {
            "about the acceleration of the training records; of a force times "
            "the mass it acts on",
            "The last layer is multiplied by these."},
-          {"acts_as", "\"acceleration\" or \"force\"", "",
-           "\"acceleration\"; with `memory` \"force\"",
+          {"acts_as", "\"acceleration\" or \"force\"", "", "\"acceleration\"",
            "An acceleration is added to dv/dt; a force is subtracted from the "
-           "right-hand side."},
+           "right-hand side. With `memory` it is always \"force\"."},
           {"layers", "whole numbers", "from 1", "`[20]`; with `memory` `[6]`",
            "Widths of the hidden layers; `[]` is a linear map."},
           {"activation", "text", "", "\"tanh\"",

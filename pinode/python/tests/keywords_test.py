@@ -64,7 +64,7 @@ WITHOUT = {"fs", "step", "values"}
     (pinode.Element, ["element", 0], set()),
     (pinode.Unknown, ["element", 0, "parameters", "k3"], set()),
     (pinode.Library, ["library", 0], set()),
-    (pinode.Network, ["network", 0], set()),
+    (pinode.Network, ["network", 0], {"values"}),
     (pinode.UnknownForce, ["unknown_force", 0], {"values"}),
     (pinode.Record, ["record", 0], set()),
     (pinode.Channel, ["record", 0, "channel", 0], set()),
