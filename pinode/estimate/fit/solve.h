@@ -28,9 +28,9 @@ class Solver {
     // Share of the cost: several steps in a row that change it by no more end
     // the solve. 0: no limit.
     double crawl = 0.0;
-    // The same, but for 50 steps in a row that each save less than one: they
-    // are a valley without an end, and the solve has not converged. 0: no
-    // limit.
+    // The same for costs above 1e4, but for 50 steps in a row that each save
+    // less than one: they are a valley without an end, and the solve has not
+    // converged. 0: no limit.
     double valley = 0.0;
   };
 
