@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "gtest/gtest.h"
 #include "pinode/base/strings.h"
@@ -85,6 +86,36 @@ inline std::string SmallRecord(int samples = 200) {
   }
   return text;
 }
+
+// Small case with one more section before its record.
+class SectionInSmallCase : public ::testing::Test {
+ protected:
+  explicit SectionInSmallCase(std::string section)
+      : section_(std::move(section)) {}
+
+  void SetUp() override { folder_.Write("quake.csv", SmallRecord()); }
+
+  // Reads the case with `text` as the section.
+  bool Read(const std::string& text, Case* c) {
+    error_.clear();
+    return ReadCase(
+        folder_.Write("case.toml", Replaced(SmallCase(), "[[record]]\n",
+                                            text + "[[record]]\n")),
+        c, &error_);
+  }
+  // Returns why the section with `to` in place of `from` is refused.
+  std::string Refusal(const std::string& from, const std::string& to) {
+    Case c;
+    EXPECT_FALSE(Read(Replaced(section_, from, to), &c)) << to;
+    return error_;
+  }
+
+  TemporaryFolder folder_;
+  std::string error_;
+
+ private:
+  std::string section_;
+};
 
 }  // namespace pinode
 

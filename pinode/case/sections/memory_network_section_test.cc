@@ -27,25 +27,9 @@ layers = [3]
 output_scale = [5.0]
 )toml";
 
-class MemoryNetworkSection : public ::testing::Test {
+class MemoryNetworkSection : public SectionInSmallCase {
  protected:
-  void SetUp() override { folder_.Write("quake.csv", SmallRecord()); }
-
-  bool Read(const std::string& text, Case* c) {
-    error_.clear();
-    return ReadCase(
-        folder_.Write("case.toml", Replaced(SmallCase(), "[[record]]\n",
-                                            text + "[[record]]\n")),
-        c, &error_);
-  }
-  std::string Refusal(const std::string& from, const std::string& to) {
-    Case c;
-    EXPECT_FALSE(Read(Replaced(kDevice, from, to), &c)) << to;
-    return error_;
-  }
-
-  TemporaryFolder folder_;
-  std::string error_;
+  MemoryNetworkSection() : SectionInSmallCase(kDevice) {}
 };
 
 TEST_F(MemoryNetworkSection, AddsALawAndItsScales) {

@@ -35,28 +35,14 @@ deformation = "d"
 force = "f"
 )toml";
 
-class ReferenceCurveSection : public ::testing::Test {
+class ReferenceCurveSection : public SectionInSmallCase {
  protected:
+  ReferenceCurveSection() : SectionInSmallCase(kCurve) {}
+
   void SetUp() override {
-    folder_.Write("quake.csv", SmallRecord());
+    SectionInSmallCase::SetUp();
     folder_.Write("curve.csv", "f,d\n-2,-1\n0,0\n2,1\n");
   }
-
-  bool Read(const std::string& text, Case* c) {
-    error_.clear();
-    return ReadCase(
-        folder_.Write("case.toml", Replaced(SmallCase(), "[[record]]\n",
-                                            text + "[[record]]\n")),
-        c, &error_);
-  }
-  std::string Refusal(const std::string& from, const std::string& to) {
-    Case c;
-    EXPECT_FALSE(Read(Replaced(kCurve, from, to), &c)) << to;
-    return error_;
-  }
-
-  TemporaryFolder folder_;
-  std::string error_;
 };
 
 TEST_F(ReferenceCurveSection, ReadsTheCurve) {
