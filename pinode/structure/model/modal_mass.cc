@@ -24,6 +24,8 @@ ModalMasses EffectiveModalMasses(const StructuralModel& model,
   CHECK_EQ(shapes.rows(), model.num_dofs()) << "a row for each DOF";
   Matrix loads = model.mass * model.influence;
   if (model.support_mass_coupling.size() > 0) {
+    CHECK_EQ(model.support_mass_coupling.cols(), loads.cols())
+        << "a column for each direction";
     loads += model.support_mass_coupling;
   }
   ModalMasses masses;

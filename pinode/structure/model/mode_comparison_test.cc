@@ -41,6 +41,7 @@ TEST(ModeComparison, MassesBelongToTheUpdatedModes) {
     model.directions = {"x", "y"};
     model.influence = Matrix::Zero(2, 2);
     model.influence.col(0).setOnes();
+    model.support_mass_coupling = Matrix::Zero(2, 2);
     return model;
   };
   std::vector<ModePair> pairs;
