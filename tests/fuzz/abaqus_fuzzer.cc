@@ -8,7 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string content(reinterpret_cast<const char*>(data), size);
-  pinode::AbaqusMatrix matrix;
+  pinode::DofMatrix matrix;
   std::string error;
   if (!pinode::ReadAbaqusMatrixText("fuzz.mtx", content, &matrix, &error)) {
     if (error.empty()) __builtin_trap();

@@ -85,6 +85,91 @@ def abaqus(root):
     write(folder, "beam_full_STIF2.mtx", "".join(lines))
 
 
+def harwell_boeing(root):
+    """The general matrices are SciPy's; the others look like HBMAT's."""
+    folder = os.path.join(root, "harwell_boeing")
+    os.makedirs(folder, exist_ok=True)
+    for name, matrix in [("K_general", K), ("M_general", M)]:
+        scipy.io.hb_write(os.path.join(folder, name + ".hb"),
+                          sp.csc_matrix(matrix))
+    for name, matrix in [("K", K), ("M", M)]:
+        half = sp.csc_matrix(np.tril(matrix))
+        begins = ["%14d" % (i + 1) for i in half.indptr]
+        rows = ["%14d" % (i + 1) for i in half.indices]
+        values = [("%26.16E" % v).replace("E", "D") for v in half.data]
+        loads = ["%26.16E" % 0.0] * 4
+        counts = (len(begins), len(rows), len(values), len(loads))
+        lines = ["%-72s%-8s" % ("A cantilever of four DOFs", name),
+                 "%14d" * 5 % ((sum(counts),) + counts),
+                 "%-14s" % "RSA" + "%14d" * 4 % (4, 4, half.nnz, 0),
+                 "%-16s%-16s%-20s%-20s" % ("(1I14)", "(1I14)", "(1D26.16)",
+                                           "(1E26.16)"),
+                 "%-14s%14d%14d" % ("F", 1, 0)]
+        write(folder, name + ".matrix",
+              "\n".join(lines + begins + rows + values + loads) + "\n")
+    labels = {1: "UX", 6: "ROTZ"}
+    lines = ["   Matrix Eqn         Node          DOF\n"]
+    for row, (node, direction) in enumerate(DOFS):
+        lines.append("%13d%13d%13s\n" % (row + 1, node, labels[direction]))
+    write(folder, "K.mapping", "".join(lines))
+
+
+def dmig_wide(name, matrix):
+    """Columns as in the punch file of a superelement."""
+    lines = ["DMIG    %-8s%8d%8d%8d%8d%24d" % (name, 0, 6, 2, 0, 4)]
+    for j in range(4):
+        column = "DMIG*   %-16s%16d%16d" % (name, *DOFS[j])
+        entries = []
+        for i in range(j, 4):
+            if matrix[i, j] != 0:
+                value = ("%16.9E" % matrix[i, j]).replace("E", "D")
+                entries.append("*       %16d%16d%16s" % (*DOFS[i], value))
+        if entries:
+            lines += [column] + entries
+    return lines
+
+
+def nastran(value):
+    """A real number in eight places: 4.+6 is four million."""
+    if abs(value) < 1e5:
+        return "%.3f" % value
+    mantissa = "%g" % (value / 1e6)
+    return mantissa + ("" if "." in mantissa else ".") + "+6"
+
+
+def dmig(root):
+    folder = os.path.join(root, "dmig")
+    lines = ["$ A superelement", "GRID*                  1               0"
+             "  0.000000000E+00", "*"]
+    write(folder, "wide.pch", "\n".join(
+        lines + dmig_wide("KAAX", K) + dmig_wide("MAAX", M)
+        + ["ASET1   1       1       2       3"]) + "\n")
+    # Narrow fields, two entries a line; both triangles, as a square matrix.
+    lines = []
+    for name, matrix in [("K", K), ("M", M)]:
+        lines.append("DMIG    %-8s%8d%8d%8d%8d" % (name, 0, 1, 1, 0))
+        for j in range(4):
+            rows = [i for i in range(4) if matrix[i, j] != 0]
+            entries = ["%8d%8d%8s%8s" % (*DOFS[i], nastran(matrix[i, j]), "")
+                       for i in rows]
+            if not entries:
+                continue
+            lines.append("DMIG    %-8s%8d%8d%8s%s" % (name, *DOFS[j], "",
+                                                      entries[0]))
+            for k in range(1, len(entries), 2):
+                lines.append("+       " + "".join(entries[k:k + 2]))
+    write(folder, "narrow.dmig", "\n".join(lines) + "\n")
+    # Free fields; each entry of a symmetric matrix on whichever side.
+    lines = ["DMIG,CPLX,0,6,3,0", "DMIG,CPLX,1,1,,1,1,1.0,2.0"]
+    for name, matrix in [("KAAX", K), ("MAAX", M)]:
+        lines.append("DMIG,%s,0,6,2,0" % name)
+        for i, j, value in sorted(lower(matrix)):
+            i, j = (i, j) if (i + j) % 4 == 1 else (j, i)
+            lines.append("DMIG,%s,%d,%d,,%d,%d,%r" % (name, *DOFS[j], *DOFS[i],
+                                                      float(value)))
+    write(folder, "free.pch", "\n".join(lines) + "\n")
+
+
 def strings(column):
     """Runs of non-zeros: (first row from 0, values)."""
     runs = []
@@ -272,7 +357,8 @@ def npz(root):
 
 def main():
     root = sys.argv[1]
-    for generate in [matrix_market, calculix, abaqus, op4, mat, npz]:
+    for generate in [matrix_market, calculix, abaqus, harwell_boeing, dmig,
+                     op4, mat, npz]:
         generate(root)
 
 

@@ -356,7 +356,8 @@ bool ReadMatrixFile(const TomlTable& table, const std::string& key,
   if (!std::filesystem::exists(*source)) {
     return table.Fail(key, "'" + key + "' names the file '" + file +
                                "', which does not exist; expected a .csv, "
-                               ".mtx, .mat, .npz or .op4 file beside the case");
+                               ".mtx, .matrix, .mat, .npz or .op4 file beside "
+                               "the case");
   }
   const bool by_name = HoldsMatricesByName(file);
   if (!variable.empty() && !by_name) {

@@ -109,8 +109,8 @@ CaseTable MatrixKeys() {
           {
               {"file", "text", "", "needed with `variable`",
                "File that holds several matrices. A file with one matrix needs "
-               "no table: write its name (.csv, .mtx, .mat, .npz, .op4), or "
-               "rows `[[...], ...]`."},
+               "no table: write its name (.csv, .mtx, .matrix, .mat, .npz, "
+               ".op4), or rows `[[...], ...]`."},
               {"variable", "text", "", "the only matrix of the file",
                "Name of the matrix in the file."},
               {"diagonal", "numbers", "one per row", "none",

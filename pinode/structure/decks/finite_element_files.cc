@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -11,8 +10,12 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/structure/decks/matrix_choice.h"
 #include "pinode/structure/matrices/abaqus_matrix.h"
 #include "pinode/structure/matrices/calculix.h"
+#include "pinode/structure/matrices/dmig.h"
+#include "pinode/structure/matrices/dof_matrix.h"
+#include "pinode/structure/matrices/harwell_boeing.h"
 #include "pinode/structure/matrices/mat_file.h"
 #include "pinode/structure/matrices/matrix_container.h"
 #include "pinode/structure/matrices/matrix_io.h"
@@ -24,29 +27,13 @@
 namespace pinode {
 namespace {
 
-enum Role { kMass, kDamping, kStiffness, kNumRoles };
-
-const char* RoleName(int role) {
-  static const char* const kNames[] = {"mass", "damping", "stiffness"};
-  return kNames[role];
-}
-
-// Returns the usual names of a matrix, in lower case.
-const std::vector<std::string>& UsualNames(int role) {
-  static const std::vector<std::string> kUsual[] = {
-      {"m", "mass", "mgg", "maa", "mff", "mhh", "mxx"},
-      {"c", "damping", "d", "bgg", "baa", "bff", "damp"},
-      {"k", "stiffness", "kgg", "kaa", "kff", "khh", "kxx", "stiff"}};
-  return kUsual[role];
-}
-
 std::string Extension(const std::string& path) {
   return LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
 }
 
 // A matrix as in its file.
 struct LoadedMatrix {
-  enum class Kind { kAbsent, kWhole, kIndexed, kAbaqus };
+  enum class Kind { kAbsent, kWhole, kIndexed, kByDof };
 
   Kind kind = Kind::kAbsent;
   SparseMatrix matrix;  // kWhole
@@ -54,7 +41,7 @@ struct LoadedMatrix {
   std::vector<MatrixEntry> entries;
   bool mirrored = false;
   int size = 0;
-  AbaqusMatrix abaqus;  // kAbaqus
+  DofMatrix by_dof;  // kByDof
 };
 
 class ModelReader {
@@ -69,28 +56,29 @@ class ModelReader {
         names_source_(files.names.empty() ? "" : "the list of DOFs") {}
 
   bool Read(FiniteElementModel* model) {
-    for (const int role : {kMass, kStiffness}) {
+    for (const int role : {kMassMatrix, kStiffnessMatrix}) {
       if (sources_[role]->path.empty()) {
         *error_ = std::string("no file for the ") + RoleName(role) +
                   " matrix, expected one";
         return false;
       }
     }
-    for (int role = 0; role < kNumRoles; ++role) {
+    for (int role = 0; role < kNumMatrixRoles; ++role) {
       if (!sources_[role]->path.empty() && !Load(role)) return false;
     }
     if (!ReadNames()) return false;
-    const bool abaqus = loaded_[kStiffness].kind == LoadedMatrix::Kind::kAbaqus;
+    const bool by_dof =
+        loaded_[kStiffnessMatrix].kind == LoadedMatrix::Kind::kByDof;
     for (const LoadedMatrix& loaded : loaded_) {
       if (loaded.kind != LoadedMatrix::Kind::kAbsent &&
-          (loaded.kind == LoadedMatrix::Kind::kAbaqus) != abaqus) {
-        *error_ = sources_[kStiffness]->path +
-                  ": matrices of Abaqus name their DOFs, others go by "
+          (loaded.kind == LoadedMatrix::Kind::kByDof) != by_dof) {
+        *error_ = sources_[kStiffnessMatrix]->path +
+                  ": matrices of Abaqus and DMIG name their DOFs, others go by "
                   "position, expected files of one kind";
         return false;
       }
     }
-    if (!(abaqus ? MergeByName() : MergeByPosition())) return false;
+    if (!(by_dof ? MergeByName() : MergeByPosition())) return false;
     if (are_names_listed_ && !AreListedOnce()) return false;
     model_.dof_names = NumberRepeatedNames(std::move(names_), &model_.notes);
     std::string what;
@@ -99,9 +87,9 @@ class ModelReader {
     // of them have names of their own here.
     if (!model_.IsValid(&what, &culprit) &&
         !(has_set_ && culprit == nullptr && HasNames())) {
-      const int role = culprit == &model_.mass      ? kMass
-                       : culprit == &model_.damping ? kDamping
-                                                    : kStiffness;
+      const int role = culprit == &model_.mass      ? kMassMatrix
+                       : culprit == &model_.damping ? kDampingMatrix
+                                                    : kStiffnessMatrix;
       return Fail(sources_[role]->path, what);
     }
     for (std::string& sentence : DescribeSpecialDofs(model_)) {
@@ -150,10 +138,13 @@ class ModelReader {
     if (extension == ".op4" || extension == ".mat" || extension == ".npz") {
       if (WithoutGz(path) != path) {
         return Fail(path,
-                    "this compressed file is not text (.mtx, .sti, .mas, "
-                    ".csv); unpack it");
+                    "this compressed file is not text (.mtx, .sti, .mas, .csv, "
+                    "...); unpack it");
       }
       return LoadFromContainer(role, extension, &loaded);
+    }
+    if (extension == ".pch" || extension == ".dmig") {
+      return LoadDmig(role, &loaded);
     }
     if (!sources_[role]->variable.empty()) {
       return Fail(path, "a matrix is named (" +
@@ -162,15 +153,7 @@ class ModelReader {
     }
     if (extension == ".sti" || extension == ".mas") {
       loaded.kind = LoadedMatrix::Kind::kIndexed;
-      if (default_names_path_.empty()) {
-        const std::string beside = std::filesystem::path(WithoutGz(path))
-                                       .replace_extension(".dof")
-                                       .string();
-        std::error_code status;
-        if (std::filesystem::is_regular_file(beside, status)) {
-          default_names_path_ = beside;
-        }
-      }
+      TakeNamesBeside(path, ".dof");
       return ReadIndexedEntries(path, &loaded.entries, &loaded.mirrored,
                                 &loaded.size, error_);
     }
@@ -182,9 +165,29 @@ class ModelReader {
       return true;
     }
     if (extension == ".mtx") return LoadMtx(path, &loaded);
+    if (IsHarwellBoeing(path)) {
+      loaded.kind = LoadedMatrix::Kind::kWhole;
+      TakeNamesBeside(path, ".mapping");
+      return ReadHarwellBoeing(path, kMaxFiniteElementDofs, &loaded.matrix,
+                               error_);
+    }
     return Fail(path,
                 "unknown kind of matrix file, expected .mtx (Matrix Market, "
-                "Abaqus), .sti or .mas (CalculiX), .op4, .mat, .npz or .csv");
+                "Abaqus), .sti or .mas (CalculiX), .op4 or .pch (Nastran), "
+                ".matrix, .hb or .rsa (Harwell-Boeing), .mat, .npz or .csv");
+  }
+
+  // Lets the DOFs' names come from the file of the same name with another
+  // extension, if there is one and the user names none.
+  void TakeNamesBeside(const std::string& path, const char* extension) {
+    if (!default_names_path_.empty()) return;
+    const std::string beside = std::filesystem::path(WithoutGz(path))
+                                   .replace_extension(extension)
+                                   .string();
+    std::error_code status;
+    if (std::filesystem::is_regular_file(beside, status)) {
+      default_names_path_ = beside;
+    }
   }
 
   bool LoadMtx(const std::string& path, LoadedMatrix* loaded) {
@@ -197,8 +200,8 @@ class ModelReader {
       return ReadMatrixMarketText(path, content, kMaxFiniteElementDofs,
                                   &loaded->matrix, error_);
     }
-    loaded->kind = LoadedMatrix::Kind::kAbaqus;
-    return ReadAbaqusMatrixText(path, content, &loaded->abaqus, error_);
+    loaded->kind = LoadedMatrix::Kind::kByDof;
+    return ReadAbaqusMatrixText(path, content, &loaded->by_dof, error_);
   }
 
   bool LoadFromContainer(int role, const std::string& extension,
@@ -215,13 +218,18 @@ class ModelReader {
       found = containers_.emplace(path, std::move(container)).first;
     }
     const MatrixContainer& container = found->second;
-    const NamedMatrix* chosen = nullptr;
-    if (!Choose(role, container, &chosen)) return false;
-    if (!chosen->fault.empty()) {
-      return Fail(path, std::string("the ") + RoleName(role) + " matrix " +
-                            Quote(chosen->name) +
-                            " cannot be used: " + chosen->fault);
+    std::vector<std::string> names;
+    for (const NamedMatrix& matrix : container.matrices) {
+      names.push_back(matrix.name);
     }
+    size_t index = 0;
+    if (!ChooseMatrix(role, *sources_[role], names, UsedBy(path) == 1, &index,
+                      error_)) {
+      return false;
+    }
+    const NamedMatrix* const chosen = &container.matrices[index];
+    if (!chosen->fault.empty())
+      return FailByFault(role, chosen->name, chosen->fault);
     loaded->kind = LoadedMatrix::Kind::kWhole;
     loaded->matrix = chosen->matrix;
     if (!container.dof_names.empty()) {
@@ -236,64 +244,37 @@ class ModelReader {
     return true;
   }
 
-  bool Choose(int role, const MatrixContainer& container,
-              const NamedMatrix** chosen) {
-    const MatrixSource& source = *sources_[role];
+  bool LoadDmig(int role, LoadedMatrix* loaded) {
+    const std::string& path = sources_[role]->path;
+    auto found = dmig_.find(path);
+    if (found == dmig_.end()) {
+      std::vector<DmigMatrix> matrices;
+      if (!ReadDmig(path, &matrices, error_)) return false;
+      found = dmig_.emplace(path, std::move(matrices)).first;
+    }
     std::vector<std::string> names;
-    for (const NamedMatrix& matrix : container.matrices) {
+    for (const DmigMatrix& matrix : found->second) {
       names.push_back(matrix.name);
     }
-    const std::vector<std::string> wanted =
-        source.variable.empty()
-            ? UsualNames(role)
-            : std::vector<std::string>{LowerCase(source.variable)};
-    int count = 0;  // of the name that is chosen
-    for (const NamedMatrix& matrix : container.matrices) {
-      if (std::find(wanted.begin(), wanted.end(), LowerCase(matrix.name)) ==
-          wanted.end()) {
-        continue;
-      }
-      if (*chosen != nullptr && (*chosen)->name == matrix.name) {
-        if (++count == source.occurrence) *chosen = &matrix;
-        continue;
-      }
-      if (*chosen != nullptr) {
-        return Fail(source.path,
-                    "the " + std::string(RoleName(role)) + " matrix may be " +
-                        Quote((*chosen)->name) + " or " + Quote(matrix.name) +
-                        ", expected the name of one");
-      }
-      *chosen = &matrix;
-      count = 1;
+    size_t index = 0;
+    if (!ChooseMatrix(role, *sources_[role], names, UsedBy(path) == 1, &index,
+                      error_)) {
+      return false;
     }
-    if (*chosen != nullptr && source.occurrence > count) {
-      return Fail(source.path,
-                  Quote((*chosen)->name) + " occurs " +
-                      (count == 1 ? std::string("once")
-                                  : std::to_string(count) + " times") +
-                      ", and occurrence = " +
-                      std::to_string(source.occurrence) + " is beyond that");
+    const DmigMatrix& chosen = found->second[index];
+    if (!chosen.fault.empty()) {
+      return FailByFault(role, chosen.name, chosen.fault);
     }
-    if (count > 1 && source.occurrence == 0) {
-      return Fail(source.path, Quote((*chosen)->name) + " occurs " +
-                                   std::to_string(count) +
-                                   " times, expected occurrence = 1 to " +
-                                   std::to_string(count) + " beside its name");
-    }
-    if (*chosen == nullptr && source.variable.empty() &&
-        container.matrices.size() == 1 && UsedBy(source.path) == 1) {
-      *chosen = &container.matrices[0];
-    }
-    if (*chosen != nullptr) return true;
-    return Fail(
-        source.path,
-        "no matrix " +
-            (source.variable.empty()
-                 ? "with a usual name of the " + std::string(RoleName(role)) +
-                       " matrix (" + Join(wanted, ", ") + ")"
-                 : Quote(source.variable)) +
-            ", expected one of these: " +
-            (names.empty() ? "(the file has none)" : Join(names, ", ")));
+    loaded->kind = LoadedMatrix::Kind::kByDof;
+    loaded->by_dof = chosen.matrix;
+    return true;
+  }
+
+  bool FailByFault(int role, const std::string& name,
+                   const std::string& fault) {
+    return Fail(sources_[role]->path, std::string("the ") + RoleName(role) +
+                                          " matrix " + Quote(name) +
+                                          " cannot be used: " + fault);
   }
 
   // Returns the number of matrices that are read from this file.
@@ -310,13 +291,14 @@ class ModelReader {
     if (path.empty() && names_.empty()) path = default_names_path_;
     if (path.empty()) return true;
     names_source_ = path;
-    return ReadDofNames(path, &names_, error_);
+    return Extension(path) == ".mapping" ? ReadRowMapping(path, &names_, error_)
+                                         : ReadDofNames(path, &names_, error_);
   }
 
   SparseMatrix& Target(int role) {
-    return role == kMass      ? model_.mass
-           : role == kDamping ? model_.damping
-                              : model_.stiffness;
+    return role == kMassMatrix      ? model_.mass
+           : role == kDampingMatrix ? model_.damping
+                                    : model_.stiffness;
   }
 
   bool MergeByPosition() {
@@ -336,7 +318,7 @@ class ModelReader {
                              std::to_string(n) +
                              " is the largest index in them");
     }
-    for (int role = 0; role < kNumRoles; ++role) {
+    for (int role = 0; role < kNumMatrixRoles; ++role) {
       LoadedMatrix& loaded = loaded_[role];
       const std::string& path = sources_[role]->path;
       if (loaded.kind == LoadedMatrix::Kind::kWhole) {
@@ -384,48 +366,41 @@ class ModelReader {
   bool MergeByName() {
     if (!names_path_.empty() || !names_.empty()) {
       return Fail(names_path_.empty() ? names_source_ : names_path_,
-                  "matrices of Abaqus name their DOFs themselves, expected no "
-                  "list of names");
+                  "matrices of Abaqus and DMIG name their DOFs themselves, "
+                  "expected no list of names");
     }
-    std::set<NodeDirection> all;
+    std::vector<const DofMatrix*> matrices;
     for (const LoadedMatrix& loaded : loaded_) {
-      all.insert(loaded.abaqus.dofs.begin(), loaded.abaqus.dofs.end());
+      matrices.push_back(&loaded.by_dof);
     }
-    if (all.size() > static_cast<size_t>(kMaxFiniteElementDofs)) {
-      return Fail(sources_[kStiffness]->path,
-                  std::to_string(all.size()) +
+    const std::vector<NodeDirection> dofs = AllDofs(matrices);
+    if (dofs.size() > static_cast<size_t>(kMaxFiniteElementDofs)) {
+      return Fail(sources_[kStiffnessMatrix]->path,
+                  std::to_string(dofs.size()) +
                       " DOFs in all files, expected at most " +
                       std::to_string(kMaxFiniteElementDofs));
     }
-    const std::vector<NodeDirection> dofs(all.begin(), all.end());
-    const int n = static_cast<int>(dofs.size());
     for (const NodeDirection& dof : dofs) names_.push_back(dof.Name());
-    for (int role = 0; role < kNumRoles; ++role) {
+    for (int role = 0; role < kNumMatrixRoles; ++role) {
       LoadedMatrix& loaded = loaded_[role];
       if (loaded.kind == LoadedMatrix::Kind::kAbsent) continue;
-      std::vector<int> position;
-      for (const NodeDirection& dof : loaded.abaqus.dofs) {
-        position.push_back(static_cast<int>(
-            std::lower_bound(dofs.begin(), dofs.end(), dof) - dofs.begin()));
-      }
-      for (MatrixEntry& entry : loaded.abaqus.entries) {
-        entry.row = position[static_cast<size_t>(entry.row)];
-        entry.column = position[static_cast<size_t>(entry.column)];
-      }
-      if (!Assemble(sources_[role]->path, n, loaded.abaqus.mirrored,
-                    &loaded.abaqus.entries, &Target(role))) {
+      loaded.by_dof.Renumber(dofs);
+      if (!Assemble(sources_[role]->path, static_cast<int>(dofs.size()),
+                    loaded.by_dof.mirrored, &loaded.by_dof.entries,
+                    &Target(role))) {
         return false;
       }
     }
     return true;
   }
 
-  const MatrixSource* const sources_[kNumRoles];
+  const MatrixSource* const sources_[kNumMatrixRoles];
   const std::string names_path_;
   std::string* const error_;
 
-  LoadedMatrix loaded_[kNumRoles];
+  LoadedMatrix loaded_[kNumMatrixRoles];
   std::map<std::string, MatrixContainer> containers_;
+  std::map<std::string, std::vector<DmigMatrix>> dmig_;
   std::vector<std::string> names_;
   const bool are_names_listed_;
   const bool has_set_;

@@ -15,9 +15,9 @@ namespace pinode {
 struct MatrixSource {
   // Path of the file. Empty: the matrix is absent.
   std::string path;
-  // Name of the matrix in a file that holds several (.op4, .mat, .npz), in any
-  // case. Empty: the only matrix of the file, or one with a usual name: m,
-  // mass, mgg, maa, ..., c, damping, ..., k, stiffness, ....
+  // Name of the matrix in a file that holds several (.op4, .pch, .mat, .npz),
+  // in any case. Empty: the only matrix of the file, or one with a usual name:
+  // m, mass, mgg, maa, ..., c, damping, ..., k, stiffness, ....
   std::string variable;
   // Number of the matrix among several of this name, from 1. OP4 files of
   // superelements have several. 0: there is only one.
@@ -33,8 +33,9 @@ struct FiniteElementFiles {
   MatrixSource damping;  // may be empty
   MatrixSource stiffness;
   // File with one DOF name per line, for formats without names, such as the
-  // .dof file of CalculiX. Empty: names come from the matrices' files. For .sti
-  // and .mas they come from the .dof file of the same name if it exists.
+  // .dof file of CalculiX, or the .mapping file of ANSYS. Empty: names come
+  // from the matrices' files. For .sti and .mas they come from the .dof file of
+  // the same name if it exists, for .matrix from the .mapping file.
   std::string dof_names;
   // DOF names in memory, in place of the file. Empty: none are given.
   std::vector<std::string> names;
@@ -49,13 +50,15 @@ struct FiniteElementFiles {
 //   .mtx              Matrix Market (by its first line), else Abaqus
 //   .sti .mas         CalculiX
 //   .op4              Nastran OUTPUT4
+//   .pch .dmig        Nastran DMIG
+//   .matrix .hb .rb .rsa .rua  Harwell-Boeing (ANSYS)
 //   .mat              MATLAB 5 or 7.3
 //   .npz              NumPy, SciPy
 //   .csv              full matrix as text (matrix_io.h)
 //
-// .mtx, .sti, .mas, .csv and .dof may be compressed with gzip (.sti.gz). Abaqus
-// matrices are assembled by DOF name, because each file names only the DOFs for
-// which it has entries. All others are assembled by position. Repeated DOF
+// Text files may be compressed with gzip (.sti.gz). Matrices of Abaqus and DMIG
+// are assembled by DOF name, because each names only the DOFs for which it has
+// entries. All others are assembled by position. Repeated DOF
 // names are numbered. model->notes describes special DOFs. On failure returns
 // false, *model is unchanged, and *error is `file:line: error, expected ...`.
 [[nodiscard]] bool ReadFiniteElementModel(const FiniteElementFiles& files,

@@ -107,6 +107,26 @@ std::vector<SampleModel> SampleModels() {
            {FiniteElementFilesTest::Sample("npz/full.npz"), "m"},
            {FiniteElementFilesTest::Sample("npz/K_coo.npz"), ""}),
        true}};
+  const auto at = [](const std::string& name) {
+    return MatrixSource{FiniteElementFilesTest::Sample(name), ""};
+  };
+  models.push_back(
+      {"HarwellBoeing",
+       FiniteElementFilesTest::Files(at("harwell_boeing/M_general.hb"),
+                                     at("harwell_boeing/K_general.hb")),
+       false});
+  models.push_back(
+      {"HarwellBoeingWithMapping",
+       FiniteElementFilesTest::Files(at("harwell_boeing/M.matrix"),
+                                     at("harwell_boeing/K.matrix")),
+       true});
+  for (const char* name : {"wide.pch", "narrow.dmig", "free.pch"}) {
+    const std::string path = "dmig/" + std::string(name);
+    models.push_back({std::string(name) == "wide.pch"      ? "DmigWide"
+                      : std::string(name) == "narrow.dmig" ? "DmigNarrow"
+                                                           : "DmigFree",
+                      FiniteElementFilesTest::Files(at(path), at(path)), true});
+  }
   static const char* const kOp4[] = {
       "ascii_dense",      "ascii_sparse",     "ascii_bigmat",
       "little_32_dense",  "little_32_sparse", "little_32_bigmat",

@@ -10,6 +10,7 @@
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
+#include "pinode/structure/matrices/harwell_boeing.h"
 #include "pinode/structure/matrices/matrix_market.h"
 #include "pinode/structure/matrices/matrix_text.h"
 
@@ -78,10 +79,18 @@ bool ReadMatrix(const std::string& path, Matrix* matrix, std::string* error) {
   CHECK(error != nullptr);
   const std::string extension =
       LowerCase(std::filesystem::path(WithoutGz(path)).extension().string());
+  if (IsHarwellBoeing(path)) {
+    SparseMatrix sparse;
+    if (!ReadHarwellBoeing(path, kMaxMatrixDimension, &sparse, error)) {
+      return false;
+    }
+    *matrix = Matrix(sparse);
+    return true;
+  }
   if (extension != ".csv" && extension != ".mtx") {
     *error = path +
-             ": a matrix file ends in .csv or .mtx (Matrix Market), expected "
-             "one of these";
+             ": a matrix file ends in .csv, .mtx (Matrix Market), .matrix, .hb "
+             "or .rsa (Harwell-Boeing), expected one of these";
     return false;
   }
   std::string content;

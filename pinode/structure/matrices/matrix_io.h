@@ -21,6 +21,7 @@ inline constexpr int kMaxMatrixDimension = 10000;
 //         symmetric (R. F. Boisvert, R. Pozo, K. A. Remington, "The Matrix
 //         Market exchange formats: initial design", NISTIR 5935, 1996). The
 //         entries of a symmetric coordinate file may lie in either triangle.
+//   .matrix .hb .rb .rsa .rua  Harwell-Boeing (harwell_boeing.h).
 //
 // Numbers have a decimal point in every locale. Fortran's exponent D is
 // accepted. On failure *matrix is unchanged and *error is `file:line: error,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pinode/base/strings.h"
+#include "pinode/structure/matrices/fortran_text.h"
 #include "pinode/structure/matrices/matrix_text.h"
 #include "pinode/structure/matrices/op4_matrix.h"
 
@@ -67,21 +68,17 @@ class Op4AsciiReader {
 
   // Reads "1p,5e16.9": five numbers per line, 16 places each.
   bool ReadFormat(const std::string& format, std::string* error) {
-    per_line_ = 5;
-    width_ = 16;
-    if (format.empty()) return true;
-    std::string_view rest = format;
-    if (rest.substr(0, 3) == "1p,") rest.remove_prefix(3);
-    const size_t letter = rest.find_first_of("ed");
-    const size_t point = rest.find('.');
-    if (letter == std::string_view::npos || point == std::string_view::npos ||
-        point < letter || !ParseInt(rest.substr(0, letter), &per_line_) ||
-        !ParseInt(rest.substr(letter + 1, point - letter - 1), &width_) ||
-        per_line_ < 1 || per_line_ > 1000 || width_ < 1 || width_ > 1000) {
+    FortranFormat numbers;
+    numbers.count = 5;
+    numbers.width = 16;
+    if (!format.empty() && (!ParseFortranFormat(format, &numbers) ||
+                            numbers.letter == 'I' || numbers.letter == 'F')) {
       return lines_.Fail("the format is " + Quote(format) +
                              ", expected one such as '1P,5E16.9'",
                          error);
     }
+    per_line_ = numbers.count;
+    width_ = numbers.width;
     return true;
   }
 
