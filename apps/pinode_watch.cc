@@ -28,6 +28,7 @@
 #include "pinode/case/results/result_folder.h"
 #include "pinode/report/html_report.h"
 #include "pinode/watch/mending.h"
+#include "pinode/watch/notify.h"
 #include "pinode/watch/store.h"
 #include "pinode/watch/structure_file.h"
 #include "pinode/watch/structure_keys.h"
@@ -198,6 +199,17 @@ bool Look(const WatchedStructure& structure, int64_t id, bool is_due, bool once,
   return true;
 }
 
+// Sends what was not sent yet. Returns false after a line about it.
+bool Notify(const WatchedStructure& structure, int64_t id, Store* store) {
+  std::string error;
+  if (SendNewEvents(structure, id, CouriersOf(structure.notify), store,
+                    &error)) {
+    return true;
+  }
+  PrintError("%s; the next look tries it again", error.c_str());
+  return false;
+}
+
 // Stores a decision. A mistyped path must not make a store, nor a mistyped name
 // a structure. Returns the exit status.
 int StoreDecision(const WatchedStructure& structure) {
@@ -236,7 +248,10 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
     int status = kExitDone;
     if (Look(structure, id, is_due, once, FLAGS_overwrite || !first, store,
              &last_state, &counts, &status, &error)) {
+      // An alarm is told even if the page cannot be written.
+      const bool notified = Notify(structure, id, store);
       if (status != kExitDone) return status;
+      if (once && !notified) return kExitNotUsable;
       is_due = false;
     } else {
       if (first) return Refuse(error);

@@ -81,6 +81,12 @@ CREATE TABLE IF NOT EXISTS mend (
   kind TEXT NOT NULL,
   subject TEXT NOT NULL,
   value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS sent (
+  structure INTEGER NOT NULL REFERENCES structure(id),
+  way TEXT NOT NULL,
+  time REAL NOT NULL,
+  kind TEXT NOT NULL,
+  PRIMARY KEY (structure, way, time, kind)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS history (
   structure INTEGER NOT NULL REFERENCES structure(id),
   number INTEGER NOT NULL,

@@ -156,6 +156,14 @@ class Store {
                                std::string* error);
   [[nodiscard]] bool Events(int64_t structure, std::vector<StoredEvent>* events,
                             std::string* error);
+  // Reads the events that no message over `way` ("mail") has told of, and
+  // remembers events as told. Time and kind identify an event.
+  [[nodiscard]] bool UnsentEvents(int64_t structure, const std::string& way,
+                                  std::vector<StoredEvent>* events,
+                                  std::string* error);
+  [[nodiscard]] bool MarkSent(int64_t structure, const std::string& way,
+                              const std::vector<StoredEvent>& events,
+                              std::string* error);
 
  private:
   class Transaction;

@@ -70,6 +70,39 @@ bool Store::SetEvents(int64_t structure, const std::vector<StoredEvent>& events,
   return transaction.Commit(error);
 }
 
+bool Store::UnsentEvents(int64_t structure, const std::string& way,
+                         std::vector<StoredEvent>* events, std::string* error) {
+  events->clear();
+  Statement read(database_,
+                 "SELECT time, kind, text FROM event WHERE structure = ? AND "
+                 "NOT EXISTS (SELECT 1 FROM sent WHERE sent.structure = "
+                 "event.structure AND way = ? AND sent.time = event.time AND "
+                 "sent.kind = event.kind) ORDER BY number");
+  read.Bind(structure).Bind(way);
+  while (read.Step()) {
+    events->push_back({read.Number(0), read.Text(1), read.Text(2)});
+  }
+  return read.IsAtEnd() || Fail(error);
+}
+
+bool Store::MarkSent(int64_t structure, const std::string& way,
+                     const std::vector<StoredEvent>& events,
+                     std::string* error) {
+  Transaction transaction(this);
+  if (!transaction.Begin(error)) return false;
+  Statement insert(database_, "INSERT OR IGNORE INTO sent VALUES (?, ?, ?, ?)");
+  for (const StoredEvent& event : events) {
+    if (!insert.Bind(structure)
+             .Bind(way)
+             .Bind(event.time)
+             .Bind(event.kind)
+             .Run()) {
+      return Fail(error);
+    }
+  }
+  return transaction.Commit(error);
+}
+
 bool Store::Events(int64_t structure, std::vector<StoredEvent>* events,
                    std::string* error) {
   events->clear();

@@ -59,6 +59,7 @@ class StructureFileReader {
     ReadReference();
     ReadTracking();
     ReadAlarm();
+    ReadNotify();
     if (!errors_.ok() || !ReadModes()) return false;
     *structure = std::move(structure_);
     return true;
@@ -249,6 +250,68 @@ class StructureFileReader {
       table.Fail("memory_days",
                  "memory_days and clear_days are at most 100 days");
     }
+  }
+
+  void ReadNotify() {
+    const TomlTable table = Open("notify");
+    NotifyOptions& options = structure_.notify;
+    if (table.Has("kinds")) options.kinds = table.Strings("kinds");
+    options.webhook = table.String("webhook");
+    options.mail = table.String("mail");
+    options.mail_tls = table.Boolean("mail_tls", options.mail_tls);
+    options.user = table.String("user");
+    options.from = table.String("from");
+    options.to = table.Strings("to");
+    if (!errors_.ok()) return;
+    for (const std::string& kind : options.kinds) {
+      if (kind == "alarm" || kind == "notice" || kind == "all-clear") continue;
+      table.Fail("kinds", "the kind " + Quote(kind) +
+                              " is not known, expected alarm, notice or "
+                              "all-clear");
+    }
+    CheckAddress(table, "webhook", options.webhook, "http");
+    CheckAddress(table, "mail", options.mail, "smtp");
+    const bool has_mail = !options.mail.empty();
+    for (const char* key : {"from", "to"}) {
+      if (!errors_.ok() || table.Has(key) == has_mail) continue;
+      table.Fail(has_mail ? "mail" : key,
+                 has_mail
+                     ? std::string(key) + " is missing, expected " +
+                           (key == std::string("to") ? "receivers" : "a sender")
+                     : std::string(key) + " needs `mail`, the server");
+    }
+    std::vector<std::string> people = options.to;
+    if (has_mail) people.push_back(options.from);
+    for (const std::string& person : people) {
+      if (errors_.ok() && !IsMailAddress(person)) {
+        table.Fail("mail", Quote(person) +
+                               " is no address of mail, expected one such as "
+                               "\"engineer@example.org\"");
+      }
+    }
+  }
+
+  // An address would begin another line of a mail's head, or of the talk with
+  // the server, if it held one.
+  static bool IsMailAddress(const std::string& text) {
+    const size_t at = text.find('@');
+    return at != std::string::npos && at > 0 && at + 1 < text.size() &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+             return c > ' ' && c < 0x7f && c != '<' && c != '>' && c != ',';
+           });
+  }
+
+  void CheckAddress(const TomlTable& table, const char* key,
+                    const std::string& address, const std::string& protocol) {
+    if (address.empty()) return;
+    const bool known = address.rfind(protocol + "://", 0) == 0 ||
+                       address.rfind(protocol + "s://", 0) == 0;
+    const bool is_line =
+        std::all_of(address.begin(), address.end(),
+                    [](char c) { return c > ' ' && c < 0x7f; });
+    if (known && is_line) return;
+    table.Fail(key, std::string(key) + " is no address that begins with " +
+                        protocol + ":// or " + protocol + "s://");
   }
 
   double Fraction(const TomlTable& table, const std::string& key,

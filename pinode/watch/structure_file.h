@@ -71,6 +71,17 @@ struct ChartOptions {
   int most_simulated = 1000000;
 };
 
+// Messages about events. A way without an address is not used.
+struct NotifyOptions {
+  std::vector<std::string> kinds = {"alarm", "all-clear"};
+  std::string webhook;  // http:// or https://
+  std::string mail;     // smtp:// or smtps://
+  bool mail_tls = true;
+  std::string user;  // of the mail server; empty: it asks for none
+  std::string from;
+  std::vector<std::string> to;
+};
+
 struct WatchedStructure {
   std::string path;
   std::string name;
@@ -82,6 +93,7 @@ struct WatchedStructure {
   ReferencePeriod reference;
   TrackingOptions tracking;
   ChartOptions chart;
+  NotifyOptions notify;
   // Names that people gave to modes, by their frequencies in Hz. They are in
   // the store, not in the file.
   std::vector<std::pair<double, std::string>> mode_names;

@@ -81,6 +81,7 @@ clear_days = 3
   EXPECT_EQ(s.tracking.least_mac, 0.7);
   EXPECT_EQ(s.tracking.least_presence, 0.4);
   EXPECT_EQ(s.chart.false_alarms_per_year, 2.0);
+  EXPECT_EQ(s.notify.kinds, (std::vector<std::string>{"alarm", "all-clear"}));
   EXPECT_EQ(s.chart.memory_days, 5.0);
   EXPECT_EQ(s.chart.clear_days, 3.0);
 }
@@ -116,6 +117,23 @@ TEST(StructureFile, RefusesInOneLine) {
   EXPECT_NE(
       ErrorOf(least + "[alarm]\nfalse_alarms_per_year = 0\n").find("[alarm]"),
       std::string::npos);
+  const std::string mail =
+      least + "[notify]\nmail = \"smtps://mail.example.org\"\n";
+  const std::string to = "to = [\"a@example.org\"]\n";
+  const std::string from = "from = \"b@example.org\"\n";
+  EXPECT_NE(ErrorOf(mail + to).find("from is missing"), std::string::npos);
+  EXPECT_NE(ErrorOf(mail + from).find("to is missing"), std::string::npos);
+  EXPECT_NE(ErrorOf(mail + from + "to = [\"a\\r\\nb@example.org\"]\n")
+                .find("no address of mail"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\n" + to).find("needs `mail`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\nwebhook = \"file:///etc/passwd\"\n")
+                .find("begins with http://"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\nkinds = [\"alert\"]\n")
+                .find("the kind 'alert' is not known"),
+            std::string::npos);
   EXPECT_NE(ErrorOf(least + "[alarm]\nfalse_alarms_per_year = 20\n")
                 .find("times clear_days = 140, expected at most 90"),
             std::string::npos);

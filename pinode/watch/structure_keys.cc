@@ -54,6 +54,32 @@ CaseTable CovariateKeys() {
       }};
 }
 
+CaseTable NotifyKeys() {
+  return {"notify",
+          "[notify]",
+          "",
+          {
+              {"kinds", "texts", "", "`[\"alarm\", \"all-clear\"]`",
+               "Events that are told: `alarm`, `notice`, `all-clear`."},
+              {"webhook", "text", "http(s)://", "none",
+               "Address that gets each message as JSON: `structure`, `text` "
+               "and `events`. Chat services show `text`."},
+              {"mail", "text", "smtp(s)://", "none",
+               "Server that gets each message as a mail, such as "
+               "`\"smtps://mail.example.org\"`."},
+              {"mail_tls", "true or false", "", "true",
+               "False: `smtp://` may go unencrypted, to a server of the same "
+               "machine."},
+              {"user", "text", "", "the server asks for none",
+               "User of the mail server. The password comes from the "
+               "environment: `PINODE_MAIL_PASSWORD`."},
+              {"from", "text", "an address", "needed with `mail`",
+               "Sender of the mail."},
+              {"to", "texts", "addresses", "needed with `mail`",
+               "Receivers of the mail."},
+          }};
+}
+
 }  // namespace
 
 const std::vector<CaseTable>& StructureTables() {
@@ -76,6 +102,7 @@ const std::vector<CaseTable>& StructureTables() {
            {"tracking", "table", "", "see its keys",
             "How modes are joined to histories."},
            {"alarm", "table", "", "see its keys", "Chart and its alarms."},
+           {"notify", "table", "", "nobody", "Messages about alarms."},
        }},
       RecordsKeys(),
       CovariateKeys(),
@@ -115,7 +142,8 @@ const std::vector<CaseTable>& StructureTables() {
             "later."},
            {"clear_days", "number", "days, to 100", "7",
             "An alarm ends after this time below the threshold."},
-       }}};
+       }},
+      NotifyKeys()};
   return tables;
 }
 

@@ -95,6 +95,44 @@ Run 2 pinode_watch --structure=watched_bridge.toml --store=w.db --once \
   --output_dir=D
 grep -q exists stderr || Fail "the folder was replaced"
 
+# The alarm of the store is told once over each way, as soon as somebody takes
+# it.
+mkdir told
+"$python" -B "$here/message_servers.py" told &
+servers=$!
+trap 'kill -KILL $servers 2>/dev/null || true; rm -rf -- "$scratch"' EXIT
+for _ in $(seq 300); do
+  [[ ! -s told/ports ]] || break
+  sleep 0.1
+done
+read -r post mail <told/ports
+cat watched_bridge.toml - >told.toml <<END
+[notify]
+webhook = "http://127.0.0.1:$post/hook?key=secret"
+mail = "smtp://127.0.0.1:$mail"
+mail_tls = false
+from = "bridge@example.org"
+to = ["engineer@example.org", "owner@example.org"]
+END
+touch told/closed
+Run 1 pinode_watch --structure=told.toml --store=w.db --once
+[[ $(wc -l <stderr) -eq 1 ]] || Fail "expected one line on the message"
+grep -q "no message could be sent to 127.0.0.1:" stderr || Fail "no word on it"
+! grep -q secret stderr || Fail "the key of the webhook is printed"
+[[ ! -e told/posts && ! -e told/mails ]] || Fail "a closed server took a message"
+rm told/closed
+Run 0 pinode_watch --structure=told.toml --store=w.db --once
+Run 0 pinode_watch --structure=told.toml --store=w.db --once
+[[ $(wc -l <told/posts) -eq 1 ]] || Fail "expected one post"
+grep -q '^application/json {"structure":"watched_bridge","text":' told/posts ||
+  Fail "the post is not as documented"
+[[ $(grep -c '^Subject: watched_bridge: ' told/mails) -eq 1 ]] || Fail "expected one mail"
+grep -q 'RCPT TO:<owner@example.org>' told/mails || Fail "a receiver is missing"
+grep -q "alarm: .*channel 'a5' is left out" told/mails || Fail "no reason in the mail"
+kill -KILL $servers 2>/dev/null || true
+wait $servers 2>/dev/null || true
+trap 'rm -rf -- "$scratch"' EXIT
+
 # A sensor that is turned is named by the shapes of five more records. The store
 # knows the others.
 mkdir turned
