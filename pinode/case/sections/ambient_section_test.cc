@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -80,6 +81,42 @@ TEST_F(AmbientSectionTest, LoadsAtDofs) {
   EXPECT_EQ(record.knots, 3);
   EXPECT_TRUE(record.correlated);
   EXPECT_THAT(Error("dofs = [\"u3\"]"), HasSubstr("'u3'"));
+}
+
+// A known gain divides the samples; volts need one. A free gain has nothing to
+// compare itself with.
+TEST_F(AmbientSectionTest, ChannelsMayHaveAKnownGain) {
+  const auto with_gain = [this](const std::string& unit,
+                                const std::string& gain) {
+    std::string text = AmbientCase("");
+    const std::string last = "unit = \"m/s^2\"\n";
+    text.replace(text.rfind(last), last.size(),
+                 "unit = \"" + unit + "\"\n" + gain);
+    return folder_.Write("case.toml", text);
+  };
+  const Matrix plain = Read("").samples;
+  for (const auto& [unit, gain, factor] :
+       {std::tuple{"m/s^2", "gain = {initial = -0.5}\n", -2.0},
+        std::tuple{"mV", "gain = {initial = 0.1, free = false}\n", 0.01}}) {
+    const Case c = ReadOrFail(with_gain(unit, gain));
+    const Matrix& samples = c.problem.ambient.front().samples;
+    EXPECT_LT((samples.row(1) - factor * plain.row(1)).norm(),
+              1e-12 * plain.norm());
+    EXPECT_EQ(samples.row(0), plain.row(0));
+    EXPECT_EQ(c.problem.sensors.size(), 0);
+  }
+  Case c;
+  std::string error;
+  EXPECT_FALSE(ReadCase(with_gain("V", ""), &c, &error));
+  EXPECT_THAT(error, HasSubstr("needs a known sensitivity"));
+  for (const char* gain : {"gain = {free = true}\n",
+                           "gain = {initial = 2, prior_sigma = 0.1}\n"}) {
+    EXPECT_FALSE(ReadCase(with_gain("m/s^2", gain), &c, &error)) << gain;
+    EXPECT_THAT(error, HasSubstr("an unknown gain cannot be told apart"));
+  }
+  EXPECT_FALSE(
+      ReadCase(with_gain("m/s^2", "gain = {initial = 0}\n"), &c, &error));
+  EXPECT_THAT(error, HasSubstr("the gain is 0"));
 }
 
 TEST_F(AmbientSectionTest, LoadsOfAreas) {

@@ -386,7 +386,9 @@ class RecordDataReader {
             section.signal.label + ": " + std::to_string(samples - present) +
             " of " + std::to_string(samples) + " samples are missing.");
       }
-      channel.description = {section.signal.unit, section.signal.factor,
+      channel.values /= section.known_gain;
+      channel.description = {section.signal.unit,
+                             section.signal.factor / section.known_gain,
                              section.location};
       record_->channels.push_back(std::move(channel));
     }

@@ -405,10 +405,36 @@ class RecordReader {
     return CheckAmbientChannels();
   }
 
+  // Notes the gain of a channel, which must be known: the size of unmeasured
+  // loads is found, so a free gain has nothing to compare itself with.
+  bool ReadKnownGain(ChannelSection* channel) {
+    const TomlTable& table = channel->signal.table;
+    if (!table.Has("gain")) return true;
+    const TomlTable keys = table.Table("gain", table.name() + ", gain");
+    if (!table.errors()->ok() || !keys.AllowKeys()) return false;
+    for (const char* key :
+         {"free", "lower", "upper", "prior_mean", "prior_sigma"}) {
+      const bool is_false = std::string(key) == "free" && keys.Has(key) &&
+                            !keys.Boolean(key, false);
+      if (!keys.Has(key) || is_false) continue;
+      return table.Fail("gain",
+                        "an unknown gain cannot be told apart from unmeasured "
+                        "loads; expected gain = {initial = ...} alone");
+    }
+    const double gain = keys.Number("initial", 1.0);
+    if (!table.errors()->ok()) return false;
+    if (gain == 0.0) {
+      return table.Fail("gain", "the gain is 0, expected the sensor's");
+    }
+    channel->known_gain = gain;
+    return true;
+  }
+
   bool CheckAmbientChannels() {
-    for (const ChannelSection& channel : section_->channels) {
+    for (ChannelSection& channel : section_->channels) {
       const TomlTable& table = channel.signal.table;
-      for (const char* key : {"gain", "offset", "delay"}) {
+      if (!ReadKnownGain(&channel)) return false;
+      for (const char* key : {"offset", "delay"}) {
         if (!table.Has(key)) continue;
         return table.Fail(
             key,
@@ -417,11 +443,12 @@ class RecordReader {
       }
       // For modes alone the scale and noise of a channel have no effect.
       if (responses_only_) continue;
-      if (IsVoltage(table)) {
+      if (IsVoltage(table) && !table.Has("gain")) {
         return table.Fail(
             "unit",
-            "a channel in volts cannot be used with excitation = \"ambient\", "
-            "expected the unit of the measured quantity");
+            "a channel in volts needs a known sensitivity with excitation = "
+            "\"ambient\", expected gain = {initial = ...} in volts per the "
+            "model's unit");
       }
       for (const char* key : {"fit", "sigma", "sigma_percent"}) {
         if (!table.Has(key)) continue;

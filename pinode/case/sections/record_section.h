@@ -30,6 +30,8 @@ struct ChannelSection {
   Vector weights;  // num_dofs
   std::string location;
   bool fit = true;
+  // Gain by which the samples are divided, in a record of unmeasured loads.
+  double known_gain = 1.0;
 
   explicit ChannelSection(const TomlTable& t) : signal(t) {}
 };

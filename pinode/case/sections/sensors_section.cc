@@ -50,7 +50,9 @@ class SensorsReader {
             channel.name;
         offset.unit = UnitName(channel.signal.dimension, units_);
         int unused = -1;
-        if (!ReadOne(channel, "gain", 1.0, gain, &unused) ||
+        // A record of unmeasured loads was divided by its known gains.
+        if ((!sections[r].ambient &&
+             !ReadOne(channel, "gain", 1.0, gain, &unused)) ||
             !ReadOne(channel, "delay", second, delay, &unused) ||
             !ReadOne(channel, "offset", channel.signal.factor, offset,
                      &problem_->records[r].channels[c].offset)) {
@@ -77,6 +79,7 @@ class SensorsReader {
   // volts and other units together.
   bool CheckVoltages(const std::vector<RecordSection>& sections) const {
     for (const RecordSection& section : sections) {
+      if (section.ambient) continue;
       for (const ChannelSection& channel : section.channels) {
         const int index = Index("gain." + channel.name);
         const bool in_volts = channel.signal.dimension == Dimension::kVoltage;

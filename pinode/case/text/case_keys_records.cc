@@ -92,8 +92,9 @@ CaseTable RecordKeys() {
            "\"measured\"",
            "`ambient`: loads that were not measured act, with or without "
            "measured ones. Such a record has no motion and no start, and no "
-           "gain, offset or delay. See \"Ambient records\". `none`: the "
-           "structure is left to itself from the first sample (of the window) "
+           "offset or delay; a gain must be known, `{initial = ...}`. See "
+           "\"Ambient records\". `none`: the structure is left to itself from "
+           "the first sample (of the window) "
            "on."},
           {"ambient", "table", "", "see its keys",
            "Loads of a record with `excitation = \"ambient\"`."},
