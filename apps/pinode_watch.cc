@@ -18,7 +18,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "apps/launcher.h"
@@ -27,6 +26,7 @@
 #include "pinode/base/parallel_for.h"
 #include "pinode/case/results/result_folder.h"
 #include "pinode/report/html_report.h"
+#include "pinode/watch/folder_notice.h"
 #include "pinode/watch/mending.h"
 #include "pinode/watch/notify.h"
 #include "pinode/watch/store.h"
@@ -49,7 +49,9 @@ DEFINE_bool(once, false,
 DEFINE_string(backfill, "",
               "read the records of this folder in place of the folder in the "
               "structure file, and end");
-DEFINE_int32(interval_seconds, 60, "time between two looks at the folder");
+DEFINE_int32(interval_seconds, 60,
+             "longest time between two looks at the folder; a new file "
+             "is noticed sooner where the system tells of it");
 DEFINE_string(
     output_dir, "",
     "folder for histories.csv, alarms.csv, watch.json, watch.prom and "
@@ -140,14 +142,6 @@ int WriteFolder(const WatchedStructure& structure,
     return CannotWrite(error, folder);
   }
   return kExitDone;
-}
-
-void Wait(int seconds) {
-  const auto end =
-      std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-  while (!Interrupted() && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  }
 }
 
 // Looks at the folder once, and tells what is new. False with one line if that
@@ -242,6 +236,8 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
   // State of the covariates' own files and the decisions at the last analysis.
   std::string last_state;
   bool is_due = true;
+  // Begins before the first look, so that no file falls between them.
+  FolderNotice notice(structure.records.folder);
   for (bool first = true;; first = false) {
     WatchCounts counts;
     std::string error;
@@ -261,7 +257,11 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
     }
     if (counts.interrupted) return kExitInterrupted;
     if (once) return kExitDone;
-    Wait(FLAGS_interval_seconds);
+    // A file that was still growing is due when it has been quiet.
+    const std::chrono::seconds quiet(kQuietSeconds + 1);
+    const std::chrono::seconds interval(FLAGS_interval_seconds);
+    notice.Wait(counts.growing > 0 ? std::min(interval, quiet) : interval,
+                quiet, Interrupted);
     // The way to end it.
     if (Interrupted()) return kExitDone;
   }

@@ -19,8 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Loggers write a file in pieces that are closer than this.
-constexpr int64_t kQuietNanoseconds = 10'000'000'000;
+constexpr int64_t kQuietNanoseconds = kQuietSeconds * INT64_C(1000000000);
 // Files that are remembered together. A crash before costs reading them again.
 constexpr size_t kMostUnwritten = 1000;
 

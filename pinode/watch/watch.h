@@ -15,6 +15,9 @@
 
 namespace pinode {
 
+// Loggers write a file in pieces that are closer than this.
+inline constexpr int kQuietSeconds = 10;
+
 struct WatchCalls {
   // Tells about a record that was stored, or about a file that cannot be read.
   std::function<void(const StoredRecord& record)> stored;
