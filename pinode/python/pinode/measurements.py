@@ -232,6 +232,8 @@ class Record(Part):
                 file is None or columns.file() is not file):
             raise Error(f"record '{name}': 'step' is missing, expected step=seconds, "
                         "fs=samples a second or time=times")
+        if sampling_rate_hz is not None and time is not None:
+            raise Error(f"record '{name}': time and a sampling rate are given, expected one of them")
         time = columns.time(time)
         if columns.has_dates and keys.get("time_unit", "s") != "s":
             raise Error(
@@ -251,6 +253,10 @@ class Record(Part):
                     f"record '{name}': '{key}' is a value of type "
                     f"{type(given).__name__}, expected {{{place}: values}}"
                 )
+            for at, values in given.items():
+                if len(getattr(values, "shape", ())) > 1:
+                    raise Error(f"record '{name}': {key}[{at!r}] is {words_of(values)}, expected "
+                                "one number a sample")
             signals[key] = [
                 columns.signal(value, f"{key}_{at}", {place: at})
                 for at, values in given.items()

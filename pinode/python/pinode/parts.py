@@ -46,6 +46,7 @@ from ._part import (
     as_sequence,
     as_strings,
 )
+from ._part_checks import check_bounds, check_damping, check_square, check_values
 from ._pinode import Error
 
 
@@ -103,36 +104,6 @@ _MODEL = {"dofs": NAMES, "influence": MAPPING, "support_mass_coupling": MAPPING,
 _ACTS_AS = one_of("acceleration", "force")
 
 
-def _check_square(where: str, name: str, matrix: Any, size: int | None = None) -> None:
-    """Raises an Error if an array in memory is not square; files are read with the case."""
-    if matrix is None or isinstance(matrix, (str, os.PathLike, Mapping)):
-        return
-    try:
-        shape = matrix.shape if hasattr(matrix, "tocsc") else np.shape(as_matrix(matrix))
-    except ValueError:  # rows of different lengths
-        shape = ()
-    wanted = "n x n" if size is None else f"{size} x {size}"
-    if len(shape) != 2 or shape[0] != shape[1] or size not in (None, shape[0]):
-        found = " x ".join(map(str, shape)) or "no array"
-        as_mass = "" if size is None else " as mass is"
-        raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
-    values = np.asarray(matrix.data if hasattr(matrix, "tocsc") else as_matrix(matrix))
-    # Anything but a number is refused with the case.
-    if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
-        raise Error(f"{where}: {name} has a value that is not finite, expected numbers")
-
-
-def _check_values(where: str, name: str, values: list[Any], count: int) -> None:
-    """Raises an Error unless there are `count` positive numbers."""
-    if len(values) != count:
-        raise Error(f"{where}: {name} has {len(values)} values, expected {count}, one for each of "
-                    "masses")
-    for i, value in enumerate(values):
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not 0.0 < value < np.inf:
-            raise Error(f"{where}: {name}[{i}] is {value}, expected a positive number")
-
-
 class Model(Part):
     """Matrices M, C and K of a structure with n degrees of freedom.
 
@@ -160,10 +131,11 @@ class Model(Part):
             dofs = _names_of_columns(mass=mass, stiffness=stiffness, damping=damping)
         if dofs is None:
             dofs = [f"u{i + 1}" for i in range(_size_of(mass))]
-        _check_square("Model", "mass", mass)
+        check_square("Model", "mass", mass)
         size = None if isinstance(mass, (str, os.PathLike, Mapping)) else _size_of(mass)
-        _check_square("Model", "stiffness", stiffness, size)
-        _check_square("Model", "damping", damping, size)
+        check_square("Model", "stiffness", stiffness, size)
+        check_square("Model", "damping", damping, size)
+        check_damping("Model", damping)
         if size is not None and len(as_names("dofs", dofs)) != size:
             raise Error(f"Model: dofs has {len(dofs)} names and mass is {size} x {size}, expected "
                         "one for each row")
@@ -198,11 +170,12 @@ class ShearBuilding(Part):
     ) -> None:
         of_floors = as_list(masses)
         of_storeys = as_list(stiffnesses)
-        _check_values("ShearBuilding", "masses", of_floors, len(of_floors))
-        _check_values("ShearBuilding", "stiffnesses", of_storeys, len(of_floors))
+        check_values("ShearBuilding", "masses", of_floors, len(of_floors))
+        check_values("ShearBuilding", "stiffnesses", of_storeys, len(of_floors))
         if dampers is not None and len(as_list(dampers)) != len(of_floors):
             raise Error(f"ShearBuilding: dampers has {len(as_list(dampers))} values, expected "
                         f"{len(of_floors)}, one for each of masses")
+        check_damping("ShearBuilding", damping)
         super().__init__(
             shear_building=Part(
                 masses=of_floors,
@@ -249,7 +222,8 @@ class FiniteElementModel(Part):
     ) -> None:
         for name, matrix in (("mass", mass), ("stiffness", stiffness),
                              ("exported_damping", exported_damping)):
-            _check_square("FiniteElementModel", name, matrix)
+            check_square("FiniteElementModel", name, matrix)
+        check_damping("FiniteElementModel", damping)
         super().__init__(
             finite_element=Part(
                 mass=as_matrix(mass),
@@ -296,6 +270,7 @@ class Unknown(Part):
         tie_factor: float | None = None,
         **keys: Any,
     ) -> None:
+        check_bounds("Unknown", lower, upper)
         if tie is None:
             initial = 0.0 if initial is None else initial
             free = True if free is None else free
@@ -349,7 +324,8 @@ class Group(Part):
         prior_sigma: float | None = None,
         **keys: Any,
     ) -> None:
-        _check_square(f"Group({name!r})", "matrix", matrix)
+        check_square(f"Group({name!r})", "matrix", matrix)
+        check_bounds(f"Group({name!r})", lower, upper)
         super().__init__(
             name=name,
             adds_to=adds_to,

@@ -175,3 +175,27 @@ def test_a_case_from_a_file_keeps_the_words_of_the_file(tmp_path):
     (tmp_path / "case.toml").write_text("[model]\ncolour = 1\n")
     with pytest.raises(pinode.Error, match=r"case.toml:2: \[model\]: unknown key 'colour'"):
         pinode.read_case(tmp_path / "case.toml")
+
+
+def record_at_rest(**keys):
+    return pinode.Record("r", interpolation="cubic", start="rest", **keys)
+
+
+@pytest.mark.parametrize("make, sentence", [
+    (lambda: pinode.ShearBuilding([1, 1], [2, 2], damping={"ratio": [0.02]}),
+     "ShearBuilding: damping has no key 'ratio'; did you mean 'ratios'?"),
+    (lambda: pinode.Model(np.eye(2), np.eye(2), {"ratios": [0.02], "rayleigh": [1, 1]}),
+     "Model: damping has 2 keys, expected one of rayleigh, ratios, diagonal"),
+    (lambda: pinode.Unknown(lower=2.0, upper=1.0),
+     "Unknown: lower is 2.0 and upper is 1.0, expected lower < upper"),
+    (lambda: pinode.Group("k1", storey=1, lower=0.5, upper=0.5),
+     "Group('k1'): lower is 0.5 and upper is 0.5, expected lower < upper"),
+    (lambda: record_at_rest(fs=100, time=np.arange(5) / 100, ground={"x": np.zeros(5)}),
+     "record 'r': time and a sampling rate are given, expected one of them"),
+    (lambda: record_at_rest(fs=100, ground={"x": np.zeros((5, 2))}),
+     "record 'r': ground['x'] is an array of 5 x 2, expected one number a sample"),
+])
+def test_values_that_cannot_be_meant_are_refused_by_the_constructor(make, sentence):
+    with pytest.raises(pinode.Error) as error:
+        make()
+    assert str(error.value) == sentence

@@ -1,0 +1,65 @@
+"""Checks of the parts of a case that need more than the kind of one value."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._arguments import hint
+from ._part import as_matrix
+from ._pinode import Error
+
+_DAMPING_RULES = ("rayleigh", "ratios", "diagonal")
+
+
+def check_square(where: str, name: str, matrix: Any, size: int | None = None) -> None:
+    """Raises an Error if an array in memory is not square; files are read with the case."""
+    if matrix is None or isinstance(matrix, (str, os.PathLike, Mapping)):
+        return
+    try:
+        shape = matrix.shape if hasattr(matrix, "tocsc") else np.shape(as_matrix(matrix))
+    except ValueError:  # rows of different lengths
+        shape = ()
+    wanted = "n x n" if size is None else f"{size} x {size}"
+    if len(shape) != 2 or shape[0] != shape[1] or size not in (None, shape[0]):
+        found = " x ".join(map(str, shape)) or "no array"
+        as_mass = "" if size is None else " as mass is"
+        raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
+    values = np.asarray(matrix.data if hasattr(matrix, "tocsc") else as_matrix(matrix))
+    # Anything but a number is refused with the case.
+    if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+        raise Error(f"{where}: {name} has a value that is not finite, expected numbers")
+
+
+def check_values(where: str, name: str, values: list[Any], count: int) -> None:
+    """Raises an Error unless there are `count` positive numbers."""
+    if len(values) != count:
+        raise Error(f"{where}: {name} has {len(values)} values, expected {count}, one for each of "
+                    "masses")
+    for i, value in enumerate(values):
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not 0.0 < value < np.inf:
+            raise Error(f"{where}: {name}[{i}] is {value}, expected a positive number")
+
+
+def check_damping(where: str, damping: Any) -> None:
+    """Raises an Error if damping is a dictionary that is no rule."""
+    # A matrix of SciPy by keys is a dictionary too.
+    is_rule = isinstance(damping, Mapping) and not hasattr(damping, "tocsc")
+    if not is_rule or "file" in damping:
+        return
+    for key in damping:
+        if key not in _DAMPING_RULES:
+            raise Error(f"{where}: damping has no key '{key}'; {hint(str(key), _DAMPING_RULES)}")
+    if len(damping) != 1:
+        raise Error(f"{where}: damping has {len(damping)} keys, expected one of "
+                    + ", ".join(_DAMPING_RULES))
+
+
+def check_bounds(where: str, lower: Any, upper: Any) -> None:
+    """Raises an Error if the lower bound is not below the upper one."""
+    if lower is not None and upper is not None and not lower < upper:
+        raise Error(f"{where}: lower is {lower} and upper is {upper}, expected lower < upper")
