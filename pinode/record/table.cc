@@ -154,7 +154,9 @@ std::string BadCellMessage(const std::string& cell) {
              std::string(StripBlanks(pointed)) + "')";
     }
   }
-  return "'" + cell + "' is not a number";
+  return "'" + cell +
+         "' is not a number; write nan for a missing value, and delete lines "
+         "that are no rows";
 }
 
 // Finds the position of each wanted column in the header.

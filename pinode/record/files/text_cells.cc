@@ -5,6 +5,7 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/record/files/text_layout.h"
+#include "pinode/record/files/text_thousands.h"
 #include "pinode/record/number_rows.h"
 
 namespace pinode {
@@ -34,6 +35,35 @@ bool TakeQuoted(std::string_view line, size_t* at, std::string_view* cell,
     *cell = storage->back();
   }
   return true;
+}
+
+// Parses a number without separators of thousands.
+bool ParsePlainCell(std::string_view cell, char decimal, double* value) {
+  std::array<char, 64> buffer;
+  if (cell.empty() || cell.size() >= buffer.size()) return false;
+  bool changed = false;
+  size_t size = 0;
+  for (size_t i = 0; i < cell.size(); ++i) {
+    char c = cell[i];
+    if (c == ' ' && size == 1 && (buffer[0] == '+' || buffer[0] == '-')) {
+      changed = true;
+      continue;
+    }
+    if (decimal == ',') {
+      if (c == '.') return false;
+      if (c == ',') {
+        // In "0, 5" the comma is no decimal sign.
+        if (i + 1 == cell.size() || cell[i + 1] < '0' || cell[i + 1] > '9') {
+          return false;
+        }
+        c = '.';
+        changed = true;
+      }
+    }
+    buffer[size++] = c;
+  }
+  return changed ? ParseDouble({buffer.data(), size}, value)
+                 : ParseDouble(cell, value);
 }
 
 }  // namespace
@@ -81,33 +111,11 @@ bool SplitCells(std::string_view line, char delimiter,
 
 bool ParseCell(std::string_view cell, char decimal, double* value) {
   cell = StripBlanks(cell);
-  // Digits first: the test of missing values is for the rest.
-  if (!cell.empty() && cell.size() < 64) {
-    std::array<char, 64> buffer;
-    bool changed = false;
-    size_t size = 0;
-    for (size_t i = 0; i < cell.size(); ++i) {
-      char c = cell[i];
-      if (c == ' ' && size == 1 && (buffer[0] == '+' || buffer[0] == '-')) {
-        changed = true;
-        continue;
-      }
-      if (decimal == ',') {
-        if (c == '.') return false;
-        if (c == ',') {
-          // In "0, 5" the comma is no decimal sign.
-          if (i + 1 == cell.size() || cell[i + 1] < '0' || cell[i + 1] > '9') {
-            return false;
-          }
-          c = '.';
-          changed = true;
-        }
-      }
-      buffer[size++] = c;
-    }
-    const bool is_number = changed ? ParseDouble({buffer.data(), size}, value)
-                                   : ParseDouble(cell, value);
-    if (is_number) return true;
+  // Digits first: the tests of rare forms are for the rest.
+  if (ParsePlainCell(cell, decimal, value)) return true;
+  std::string joined;
+  if (JoinThousands(cell, decimal, false, &joined)) {
+    return ParseDouble(joined, value);
   }
   if (!IsMissing(cell)) return false;
   *value = std::numeric_limits<double>::quiet_NaN();

@@ -27,11 +27,40 @@ bool IsOtherUnit(const std::string& cell) {
   return false;
 }
 
+// Number of names that state a known unit: "acc [mg]".
+size_t NumUnits(const std::vector<std::string>& names) {
+  return static_cast<size_t>(
+      std::count_if(names.begin(), names.end(), [](const std::string& name) {
+        std::string plain;
+        std::string unit;
+        SplitUnitOfName(name, &plain, &unit);
+        return !unit.empty();
+      }));
+}
+
+// True for the rows of types that stand between names and rows, such as
+// "float;float;float", or "","","Smp","Avg" of Campbell's loggers.
+bool AreTypes(const std::vector<std::string>& cells) {
+  return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+    const std::string lower = LowerCase(cell);
+    for (const char* type :
+         {"", "float", "double", "single", "real", "int", "integer", "float32",
+          "float64", "smp", "avg", "max", "min", "std", "tot"}) {
+      if (lower == type) return true;
+    }
+    return false;
+  });
+}
+
 bool IsUnitRow(const std::vector<std::string>& cells) {
   size_t known = 0;
   size_t filled = 0;
   for (const std::string& cell : cells) {
-    if (cell.empty() || cell == "-" || cell == "[-]") continue;
+    // Campbell's loggers have TS and RN over times and row numbers.
+    if (cell.empty() || cell == "-" || cell == "[-]" || cell == "TS" ||
+        cell == "RN") {
+      continue;
+    }
     ++filled;
     double number = 0.0;
     if (!ParseDouble(cell, &number) && !UnitOfCell(cell).empty()) {
@@ -79,7 +108,6 @@ class HeaderFinder {
       }
       // The first line of a file with a text in it is always one of names.
       const bool are_names = AreNames(cells) || (IsFirst(i) && HasText(cells));
-      // A row of types, such as "float;float;float".
       if (are_names && AreTypes(cells) && HasNamesAbove(run, i)) continue;
       if (!are_names && MayBeBrokenRow(run, cells)) {
         // The rows begin earlier; reading them names the cell.
@@ -97,7 +125,10 @@ class HeaderFinder {
       header.names = i;
       header.first_row = first_row;
       header.cells = std::move(cells);
-      if (!header.has_units && i > 0) {
+      if (!header.has_units && NumUnits(header.cells) == 0) {
+        TakeNamesWithUnits(run, i, &header);
+      }
+      if (!header.has_units && i > 0 && header.names == i) {
         std::vector<std::string> above =
             Cells(lines_[i - 1].text, run.delimiter);
         if (Fits(run, &above) && IsUnitRow(above)) {
@@ -176,17 +207,6 @@ class HeaderFinder {
            (2 * texts > filled || (count && texts + 1 < filled));
   }
 
-  static bool AreTypes(const std::vector<std::string>& cells) {
-    return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
-      const std::string lower = LowerCase(cell);
-      for (const char* type : {"float", "double", "single", "real", "int",
-                               "integer", "float32", "float64"}) {
-        if (lower == type) return true;
-      }
-      return false;
-    });
-  }
-
   static bool HasText(const std::vector<std::string>& cells) {
     double number = 0.0;
     return std::any_of(
@@ -224,6 +244,20 @@ class HeaderFinder {
       return Fits(run, &cells) && AreNames(cells);
     }
     return false;
+  }
+
+  // Takes the names from a higher line if they state units there. A line of
+  // slots or modules may stand between it and the rows.
+  void TakeNamesWithUnits(const RowRun& run, size_t line, TextHeader* header) {
+    for (size_t i = line; i-- > 0 && line - i < kMostHeaderLines;) {
+      if (IsNoRow(lines_[i].text)) return;
+      std::vector<std::string> cells = Cells(lines_[i].text, run.delimiter);
+      if (!Fits(run, &cells)) return;
+      if (!AreNames(cells) || 2 * NumUnits(cells) < cells.size()) continue;
+      header->names = i;
+      header->cells = std::move(cells);
+      return;
+    }
   }
 
   // Looks for names in the last comment above the rows.

@@ -11,6 +11,7 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/record/files/text_header.h"
 #include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_thousands.h"
 #include "pinode/record/table.h"
 
 namespace pinode {
@@ -340,6 +341,9 @@ class LayoutFinder {
     layout_->names_line = header_.found ? lines_[header_.names].number : 0;
     layout_->units_line = header_.has_units ? lines_[header_.units].number : 0;
     layout_->num_cells = run_.kinds.size();
+    if (format_.decimal == 0) {
+      layout_->doubtful_number = DoubtfulThousands(lines_, run_);
+    }
     std::vector<std::string> names = header_.cells;
     names.resize(run_.kinds.size());
     // Columns without a name and without values are no columns.
@@ -436,6 +440,15 @@ bool FindTextLayout(std::string_view text, const std::string& path,
   if (!LayoutFinder(text, path, format, &found, error).Find()) return false;
   *layout = std::move(found);
   return true;
+}
+
+bool TextLayout::IsClear(const std::string& path, std::string* error) const {
+  if (doubtful_number.empty()) return true;
+  *error = path + ":" + std::to_string(first_row_line) + ": " +
+           Quote(doubtful_number) +
+           " may have a decimal point or a separator of thousands; set "
+           "`decimal` to \".\" or \",\"";
+  return false;
 }
 
 int TextLayout::FindColumn(const std::string& name, std::string* error) const {

@@ -45,11 +45,17 @@ struct TextLayout {
   // Names of columns whose unit in the name is not that of the row of units.
   // Both may be wrong, so these columns have none.
   std::vector<std::string> doubtful_units;
+  // Number whose point may be between thousands; empty: there is none.
+  std::string doubtful_number;
   // Cells of a row. Those beyond the columns are empty.
   size_t num_cells = 0;
   // True if the file is what ParseCsvTable reads: a header line of unique
   // names, rows of numbers with a decimal point, nothing else.
   bool is_plain = false;
+
+  // Refuses rows whose numbers can be read in two ways, with the key that
+  // decides.
+  [[nodiscard]] bool IsClear(const std::string& path, std::string* error) const;
 
   // Returns the column that `name` means, or -1 with a sentence in *error: a
   // name, a name without its unit, or a repeated name with its number.
@@ -64,7 +70,8 @@ struct TextLayout {
                               std::vector<std::string>* storage);
 
 // Parses a number with this decimal sign: '+', '-', blanks behind the sign,
-// exponents. NaN for a missing value, see IsMissing(). False for other text.
+// exponents, separated thousands (see JoinThousands()). NaN for a missing
+// value, see IsMissing(). False for other text.
 [[nodiscard]] bool ParseCell(std::string_view cell, char decimal,
                              double* value);
 

@@ -285,7 +285,10 @@ bool ParseTextOutline(std::string text, const std::string& path,
   }
   LinesOfCarriageReturns(&text);
   TextLayout layout;
-  if (!FindTextLayout(text, path, format, &layout, error)) return false;
+  if (!FindTextLayout(text, path, format, &layout, error) ||
+      !layout.IsClear(path, error)) {
+    return false;
+  }
   *outline = OutlineOf(text, layout, format);
   return true;
 }

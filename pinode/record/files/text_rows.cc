@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pinode/record/files/clock.h"
+#include "pinode/record/files/text_thousands.h"
 #include "pinode/record/number_rows.h"
 
 namespace pinode {
@@ -27,15 +28,19 @@ bool IsBrokenNumber(std::string_view cell, char delimiter) {
          std::string_view::npos;
 }
 
-CellKind KindOf(std::string_view cell, char decimal,
-                const std::string& time_format) {
+CellKind KindOf(std::string_view cell, char decimal, const TextFormat& format) {
   double number = 0.0;
   if (ParseCell(cell, decimal, &number)) {
     return IsMissing(cell) ? CellKind::kMissing : CellKind::kNumber;
   }
+  std::string joined;
+  if (format.decimal != 0 && JoinThousands(cell, decimal, true, &joined)) {
+    return CellKind::kNumber;
+  }
   ClockCell clock;
   if (ParseClock(cell, &clock) ||
-      (!time_format.empty() && ParseClockBy(time_format, cell, &clock))) {
+      (!format.time_format.empty() &&
+       ParseClockBy(format.time_format, cell, &clock))) {
     return !clock.has_time   ? CellKind::kDate
            : !clock.has_date ? CellKind::kTimeOfDay
                              : CellKind::kDateTime;
@@ -95,7 +100,7 @@ class RowRunFinder {
     kinds->clear();
     *values = 0;
     for (const std::string_view cell : cells_) {
-      const CellKind kind = KindOf(cell, run->decimal, format_.time_format);
+      const CellKind kind = KindOf(cell, run->decimal, format_);
       if (kind == CellKind::kText && IsBrokenNumber(cell, run->delimiter)) {
         return false;
       }

@@ -10,6 +10,7 @@
 #include "pinode/base/strings.h"
 #include "pinode/base/text_encoding.h"
 #include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_thousands.h"
 #include "pinode/record/files/text_time.h"
 #include "pinode/record/number_rows.h"
 
@@ -18,8 +19,6 @@ namespace {
 
 // Numbers of more digits are no exact doubles.
 constexpr double kLargestExact = 9e15;
-// Vibration is hardly ever sampled at longer steps, s.
-constexpr double kLargestStep = 0.5;
 
 // Returns the text of a delimiter for messages.
 std::string DelimiterName(char delimiter) {
@@ -69,8 +68,10 @@ class TextTableReader {
     if (!FindTextLayout(text_, path_, format_, &layout_, &what)) {
       return ReadWithoutLayout(what, table);
     }
-    if (!FindColumns()) return false;
-    const bool plain = layout_.is_plain && !parts_.IsClock() && !HasLongTime();
+    if (!layout_.IsClear(path_, error_) || !FindColumns()) return false;
+    const bool plain =
+        layout_.is_plain && !parts_.IsClock() && !HasLongTime() &&
+        !MayHaveThousands(std::string_view(text_).substr(layout_.first_row));
     if (!(plain ? ReadPlain() : ReadRows())) return false;
     if (!plain) SayLayout();
     if (!FinishTime()) return false;
@@ -329,7 +330,13 @@ class TextTableReader {
   // Parses a number. Of times that are too large for a double only the
   // distance from the first one is kept.
   bool ParseNumber(std::string_view cell, bool is_time, double* value) {
-    if (!ParseCell(cell, layout_.decimal, value)) return false;
+    if (!ParseCell(cell, layout_.decimal, value)) {
+      // A user who gives the decimal sign says what the other one is.
+      std::string joined;
+      return format_.decimal != 0 &&
+             JoinThousands(cell, layout_.decimal, true, &joined) &&
+             ParseDouble(joined, value);
+    }
     if (layout_.decimal == ',') WatchThousands(cell);
     if (layout_.is_decimal_open && cell.find('.') != std::string_view::npos) {
       layout_.is_decimal_open = false;
@@ -383,10 +390,12 @@ class TextTableReader {
     return Fail(
         line_number,
         where + Quote(cell) + " is not a number" +
-            (place == time_ ? "; set `time_format`, or give "
-                              "`sampling_rate_hz`"
-                            : "; if pinode misread the form of the file, set "
-                              "`decimal`, `delimiter` or `header_lines`"));
+            (place == time_
+                 ? "; delete the line if it is no row, set `time_format`, or "
+                   "give `sampling_rate_hz`"
+                 : "; write nan for a missing value, delete lines that are no "
+                   "rows, or set `decimal`, `delimiter` or `header_lines` if "
+                   "pinode misread the form of the file"));
   }
 
   bool RefuseRagged(int64_t line_number) {
@@ -475,28 +484,10 @@ class TextTableReader {
     return 2 * repeated + 1 > seconds.size();
   }
 
-  // True for times without a name and unit whose steps are too large for
-  // seconds.
-  bool HasDoubtfulUnit(int column) const {
-    if (layout_.names_line > 0 || !format_.time_unit.empty() ||
-        table_.num_rows() < 2) {
-      return false;
-    }
-    const auto times = table_.values.col(column);
-    return first_ticks_ == 0 && std::abs(times[0]) < 1e9 &&
-           times[1] - times[0] > kLargestStep;
-  }
-
   bool FinishTime() {
     if (!time_said_.empty()) Say(time_said_);
     if (time_ < 0 || parts_.IsClock()) return true;
     const int column = table_.FindColumn(format_.time_column);
-    if (HasDoubtfulUnit(column)) {
-      return Fail(layout_.first_row_line,
-                  "column '" + ColumnAt(time_).name +
-                      "' may be seconds or milliseconds; set `time_unit` to "
-                      "\"s\" or \"ms\"");
-    }
     if (layout_.names_line == 0 && format_.time_unit.empty()) {
       Say("time '" + ColumnAt(time_).name + "' read as seconds");
     }

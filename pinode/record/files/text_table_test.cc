@@ -236,15 +236,15 @@ TEST(TextTableTest, CountersGoOn) {
   EXPECT_THAT(table.reading, HasSubstr("starts anew at 1024 ms"));
   // Two parts of a record are no counter.
   const Table parts =
-      ParseText("t,a\n0,1\n5,2\n10,3\n3,4\n8,5\n13,6\n", WithTime("t"));
+      ParseText("t [s],a\n0,1\n5,2\n10,3\n3,4\n8,5\n13,6\n", WithTime("t [s]"));
   EXPECT_EQ(parts.values(3, 0), 3.0);
 }
 
 TEST(TextTableTest, NoErrorIsLeftOfADecimalCommaThatComesLate) {
   Table table;
   std::string error;
-  ASSERT_TRUE(ParseTextTable("time;a\n1;99749\n2;0,25\n", "log.csv", {},
-                             WithTime("time"), &table, &error));
+  ASSERT_TRUE(ParseTextTable("t [s];a\n1;99749\n2;0,25\n", "log.csv", {},
+                             WithTime("t [s]"), &table, &error));
   EXPECT_EQ(error, "");
   EXPECT_EQ(table.values(1, 1), 0.25);
 }
@@ -382,7 +382,7 @@ TEST(TextTableTest, FirstLineForSpreadsheets) {
 
 // Rows with numbers that cannot be read are no names for the rows below them.
 TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
-  for (const char* cell : {"8'132,621", "\u22120,621", "8\u202F132,621"}) {
+  for (const char* cell : {"8'13,621", "--0,621", "8\u202F13,621"}) {
     std::string text = "Sensor\n";
     for (int i = 0; i < 20; ++i) text += std::string(cell) + "\n";
     EXPECT_THAT(ErrorOf(text), HasSubstr("no rows of numbers were found"));
@@ -390,9 +390,22 @@ TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
                         "\n0,3;" + cell + "\n"),
                 HasSubstr("no rows of numbers were found"));
   }
-  EXPECT_THAT(ErrorOf("a;b\n1'200.5;2'300.5\n1'300.5;2'400.5\n900.5;800.5\n"
+  EXPECT_THAT(ErrorOf("a;b\n1'20.5;2'30.5\n1'30.5;2'40.5\n900.5;800.5\n"
                       "901.5;802.5\n902.5;803.5\n"),
-              HasSubstr("'1'200.5' is not a number"));
+              HasSubstr("'1'20.5' is not a number"));
+}
+
+// A step of 10 in a column "Time" may be 10 ms as well.
+TEST(TextTableTest, LargeStepsNeedAUnit) {
+  const std::string rows = ",a\n0,1\n10,2\n20,3\n30,1\n";
+  for (const char* name : {"Time", "t", "Zeit"}) {
+    EXPECT_THAT(ErrorOf(name + rows, WithTime(name)),
+                HasSubstr("`time_unit` to \"s\" or \"ms\""));
+  }
+  TextFormat format = WithTime("t");
+  format.time_unit = "s";
+  EXPECT_EQ(ParseText("t" + rows, format).values(3, 0), 30.0);
+  EXPECT_EQ(ParseText("t [s]" + rows, WithTime("t [s]")).time_unit, "s");
 }
 
 TEST(TextTableTest, MissingValuesOfOldPrograms) {

@@ -34,6 +34,9 @@ constexpr Ticks kTicks[] = {
 // the size of seconds; only their small steps tell.
 constexpr double kDays[][2] = {{36000.0, 60000.0}, {7.2e5, 7.8e5}};
 constexpr double kLargestStepOfDays = 1e-3;
+// Vibration is hardly ever sampled at longer steps, s. A logger of 1000 Hz that
+// counts milliseconds has a step of 1.
+constexpr double kLargestStep = 0.5;
 
 double MedianStep(const Eigen::Ref<const Vector>& times) {
   std::vector<double> steps;
@@ -242,6 +245,14 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
                "to \"day\" or \"s\"";
       return false;
     }
+  }
+  if (unit.empty() && times.size() > 1 && MedianStep(times) > kLargestStep) {
+    *error = "column '" + name + "' states no unit, and its step of " +
+             FormatNumber(MedianStep(times), 4) +
+             " may be seconds or milliseconds; set `time_unit` to \"s\" or "
+             "\"ms\", or name the column '" +
+             name + " [ms]'";
+    return false;
   }
   const bool is_stated = !unit.empty();
   if (!is_stated) unit = "s";
