@@ -234,8 +234,8 @@ struct FrfScore {
   // and of the initial model.
   Vector errors;
   Vector prior_errors;
-  // The same of the part of the error that is no noise: it has a memory from
-  // line to line, or it is larger where the FRF is larger.
+  // The same of the part of the error that noise does not explain: it has a
+  // memory from line to line, or it is larger where the FRF is larger.
   Vector unexplained;
   // Standard deviation of the noise, as given or as estimated.
   Vector sigma;

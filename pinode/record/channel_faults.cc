@@ -6,6 +6,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
+#include "pinode/record/sample_faults.h"
 
 namespace pinode {
 namespace {
@@ -90,6 +91,14 @@ std::vector<std::string> FindChannelFaults(
       faults.push_back(channel + "is clipped: " + Percent(clipped) +
                        " of its samples are at its extreme values. Damping and "
                        "shapes become less accurate.");
+    }
+    const Outliers outliers = FindOutliers(values);
+    if (outliers.alike && outliers.samples.size() > 1) {
+      faults.push_back(
+          channel + "has " + std::to_string(outliers.samples.size()) +
+          " samples of " + FormatNumber(values[outliers.samples[0]], 6) +
+          ", far from all others: perhaps a code for missing "
+          "values. Write nan in their place.");
     }
     for (size_t other = 0; other < c; ++other) {
       const double correlation = CorrelationOfPresent(

@@ -20,8 +20,9 @@ double CorrelationOfPresent(const Vector& a, const Vector& b);
 std::string WhyChannelIsUseless(const Vector& values);
 
 // Returns the faults of sensors, one sentence each: a channel that repeats its
-// values, one that is clipped at its range, or two equal channels. `samples`:
-// channels x samples.
+// values, one that is clipped at its range, several equal samples far from all
+// others (see FindOutliers()), or two equal channels. `samples`: channels x
+// samples.
 std::vector<std::string> FindChannelFaults(
     const std::vector<std::string>& channels, const Matrix& samples);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pinode/base/constants.h"
+#include "pinode/record/channel_faults.h"
 #include "pinode/record/files/array_table.h"
 #include "pinode/record/table.h"
 #include "tests/support/gaussian_testing.h"
@@ -204,6 +205,27 @@ TEST(SampleFaults, SaysNothingOfShortOrInfiniteColumns) {
   EXPECT_THAT(FindOutliers(Vector()).samples, IsEmpty());
   EXPECT_THAT(FindOutliers(Vector::Constant(100, kNaN)).samples, IsEmpty());
   EXPECT_THAT(FindOutliers(Vector::Zero(100)).samples, IsEmpty());
+}
+
+// Records of ambient vibration have no load that tells blows from codes.
+TEST(ChannelFaultsTest, CodesForMissingValues) {
+  Matrix samples(2, 2000);
+  for (Eigen::Index i = 0; i < samples.cols(); ++i) {
+    const double t = 0.01 * static_cast<double>(i);
+    samples(0, i) = std::sin(19.0 * t) + 0.3 * std::sin(57.0 * t);
+    samples(1, i) = std::cos(19.0 * t) - 0.4 * std::sin(57.0 * t);
+  }
+  EXPECT_TRUE(FindChannelFaults({"a", "b"}, samples).empty());
+  // One sample far out may be a blow.
+  samples(0, 300) = -9999.0;
+  EXPECT_TRUE(FindChannelFaults({"a", "b"}, samples).empty());
+  samples(0, 301) = samples(0, 900) = -9999.0;
+  const std::vector<std::string> faults =
+      FindChannelFaults({"a", "b"}, samples);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0],
+            "Channel 'a' has 3 samples of -9999, far from all others: perhaps "
+            "a code for missing values. Write nan in their place.");
 }
 
 }  // namespace

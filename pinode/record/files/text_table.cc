@@ -393,9 +393,10 @@ class TextTableReader {
             (place == time_
                  ? "; delete the line if it is no row, set `time_format`, or "
                    "give `sampling_rate_hz`"
-                 : "; write nan for a missing value, delete lines that are no "
-                   "rows, or set `decimal`, `delimiter` or `header_lines` if "
-                   "pinode misread the form of the file"));
+                 : ". Write nan for a missing value, and delete lines that are "
+                   "no "
+                   "rows. If pinode misread the file, set `decimal`, "
+                   "`delimiter` or `header_lines`"));
   }
 
   bool RefuseRagged(int64_t line_number) {

@@ -249,7 +249,7 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
   if (unit.empty() && times.size() > 1 && MedianStep(times) > kLargestStep) {
     *error = "column '" + name + "' states no unit, and its step of " +
              FormatNumber(MedianStep(times), 4) +
-             " may be seconds or milliseconds; set `time_unit` to \"s\" or "
+             " may be seconds or milliseconds. Set `time_unit` to \"s\" or "
              "\"ms\", or name the column '" +
              name + " [ms]'";
     return false;
