@@ -15,7 +15,7 @@ namespace pinode {
 namespace {
 
 // A step from which on the numbers of time are hardly seconds.
-constexpr double kLongestStep = 1.0;
+constexpr double kLongestStep = 0.5;
 
 bool Contains(const std::vector<std::string>& names, const TextColumn& column) {
   return std::find(names.begin(), names.end(), column.name) != names.end() ||
@@ -48,6 +48,31 @@ bool IsTimeUnitAssumed(const TextOutline& outline, const LogOptions& options,
   return false;
 }
 
+void AskForUnit(const std::string& path, const std::string& column, double step,
+                DraftQuestion* question) {
+  question->flag = "time_unit";
+  question->text = path + ": the unit of the times in column " + Quote(column) +
+                   " is not stated. Read as seconds they are " +
+                   FormatNumber(step, 4) + " s apart";
+  question->example = "ms";
+}
+
+// Asks for the unit of the times if seconds would be far apart and that is all
+// that is wrong with a file.
+void AskForUnit(const std::string& path, const std::vector<std::string>& wanted,
+                TextFormat format, DraftQuestion* question) {
+  format.time_unit = "s";
+  Table table;
+  TimeGrid grid;
+  std::string unused;
+  if (!ReadTextTable(path, wanted, format, &table, &unused) ||
+      !FindTimeGrid(table, format.time_column, {}, &grid, &unused) ||
+      grid.step < kLongestStep) {
+    return;
+  }
+  AskForUnit(path, format.time_column, grid.step, question);
+}
+
 // Finds the step from the time column of `table`, or from the given rate.
 bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
               TimeGrid* grid, DraftQuestion* question, std::string* error) {
@@ -64,12 +89,7 @@ bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
   }
   if (!FindTimeGrid(table, log->time_column, time, grid, error)) return false;
   if (log->is_time_unit_assumed && grid->step >= kLongestStep) {
-    question->flag = "time_unit";
-    question->text = log->path + ": the unit of the times in column " +
-                     Quote(log->time_column) +
-                     " is not stated. Read as seconds they are " +
-                     FormatNumber(grid->step, 4) + " s apart";
-    question->example = "ms";
+    AskForUnit(log->path, log->time_column, grid->step, question);
     return false;
   }
   return true;
@@ -263,7 +283,14 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   }
   Table table;
   TimeGrid grid;
-  if (!ReadTextTable(path, wanted, format, &table, error)) return false;
+  if (!ReadTextTable(path, wanted, format, &table, error)) {
+    // Large steps without a unit are refused there, and asked about here.
+    if (needs_time && options.time_unit.empty()) {
+      AskForUnit(path, wanted, format, question);
+    }
+    if (!question->flag.empty()) error->clear();
+    return false;
+  }
   result.is_time_unit_assumed =
       needs_time &&
       IsTimeUnitAssumed(outline, options, result.time_column, table);
