@@ -253,7 +253,12 @@ class HeaderFinder {
       if (IsNoRow(lines_[i].text)) return;
       std::vector<std::string> cells = Cells(lines_[i].text, run.delimiter);
       if (!Fits(run, &cells)) return;
-      if (!AreNames(cells) || 2 * NumUnits(cells) < cells.size()) continue;
+      // "Range [g]" in each column is no name.
+      const bool is_title =
+          std::adjacent_find(cells.begin(), cells.end()) != cells.end();
+      if (is_title || !AreNames(cells) || 2 * NumUnits(cells) < cells.size()) {
+        continue;
+      }
       header->names = i;
       header->cells = std::move(cells);
       return;

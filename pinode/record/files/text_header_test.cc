@@ -42,6 +42,9 @@ TEST(TextHeaderTest, NamesWithUnitsAboveOthers) {
       "0,5;1,5;2,5\n0,6;1,6;2,6\n0,7;1,7;2,7\n");
   EXPECT_THAT(table.columns, ElementsAre("Zeit [s]", "Kraft [kN]", "Weg [mm]"));
   EXPECT_THAT(table.units, ElementsAre("s", "kN", "mm"));
+  EXPECT_THAT(
+      Parse("Range [g];Range [g]\nA;B\n0,5;1,5\n0,6;1,6\n0,7;1,7\n").columns,
+      ElementsAre("A", "B"));
   // Names next to the rows stay if no line above them has units.
   EXPECT_THAT(Parse("a;b;c\nd;e;f\n0,5;1,5;2,5\n0,6;1,6;2,6\n").columns,
               ElementsAre("d", "e", "f"));
