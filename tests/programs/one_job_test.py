@@ -34,6 +34,11 @@ def every_second_sample(source: pathlib.Path, target: pathlib.Path) -> None:
     target.write_text("\n".join([lines[0]] + lines[1::2]) + "\n")
 
 
+def shortened(path: pathlib.Path, samples: int) -> None:
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:1 + samples]) + "\n")
+
+
 def changed(folder: pathlib.Path, name: str, case: str, *changes: tuple[str, str]) -> pathlib.Path:
     """A copy of the case's folder under `name`, with texts of the case replaced."""
     source = DATA / case
@@ -53,9 +58,15 @@ def cases(folder: pathlib.Path) -> dict[str, pathlib.Path]:
     coarse = changed(folder, "coarse", storeys,
                      ('"train.csv"', '"train2.csv"\nsubsteps = 1'))
     every_second_sample(coarse.parent / "train.csv", coarse.parent / "train2.csv")
+    # A quarter of the record, and few iterations of a network: whoever calls the
+    # main job, it goes the same way, and each case is fitted three times.
+    noisy = changed(folder, "noisy", "three_storey/noisy_ground.toml")
+    shortened(noisy.parent / "train.csv", 750)
+    networks = changed(folder, "networks", "four_dof_free/scheme3.toml",
+                       ("[units]", "[options]\nmax_iterations = 15\n\n[units]"))
     return {
         "three_storey": DATA / storeys,
-        "noisy_ground": DATA / "three_storey/noisy_ground.toml",
+        "noisy_ground": noisy,
         "coarse": coarse,
         "wrong_bound": changed(folder, "bound", storeys,
                                ('name    = "k1"\n', 'name    = "k1"\nupper   = 0.05\n')),
@@ -63,7 +74,7 @@ def cases(folder: pathlib.Path) -> dict[str, pathlib.Path]:
                                   ("[units]", "[options]\nmax_iterations = 2\n\n[units]")),
         "candidate": changed(folder, "candidate", storeys,
                              ('type    = "cubic"', 'type    = "cubic"\noptional = true')),
-        "networks": DATA / "four_dof_free/scheme3.toml",
+        "networks": networks,
         "groups": DATA / "four_dof_free/scheme2_groups.toml",
         "ambient": DATA / "three_storey_ambient/three_storey_ambient.toml",
         "force": DATA / "three_storey_force/impact_pulse.toml",
