@@ -16,15 +16,8 @@ frame=data/frame
 
 apps/install_packages.sh apps/packages.txt
 
-# Many sources at a time, where there is memory for it.
 jobs=$(nproc)
-batch=4
-memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
-if ((memory_kib / jobs > 3000000)); then
-  batch=8
-fi
-
-cmake --preset quickstart -DPINODE_UNITY_BATCH="$batch"
+cmake --preset quickstart -DPINODE_UNITY_BATCH="$(apps/unity_batch.sh "$jobs")"
 cmake --build --preset quickstart --parallel "$jobs"
 
 began=$SECONDS

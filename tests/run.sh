@@ -36,13 +36,7 @@ apps/install_packages.sh apps/packages.txt tests/packages.txt \
 echo "== format"
 tests/format.sh || failed+=("format")
 
-# Many sources at a time, where there is memory for it: nobody changes one of
-# them here.
-batch=4
-memory_kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
-if ((memory_kib / jobs > 3000000)); then
-  batch=8
-fi
+batch=$(apps/unity_batch.sh "$jobs")
 
 for preset in release asan tsan; do
   echo "== $preset"

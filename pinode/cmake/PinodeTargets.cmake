@@ -38,11 +38,15 @@ function(pinode_private_flags target)
   endif()
 endfunction()
 
-# Sources of one folder, PINODE_UNITY_BATCH at a time: what stands in their
-# unnamed namespaces must not clash.
+# Sources of one folder, PINODE_UNITY_BATCH at a time or as many as the second
+# argument allows: what stands in their unnamed namespaces must not clash.
 function(pinode_unity_build target)
+  set(batch ${PINODE_UNITY_BATCH})
+  if(ARGC GREATER 1 AND batch GREATER ARGV1)
+    set(batch ${ARGV1})
+  endif()
   set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${PINODE_UNITY_BATCH})
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
 endfunction()
 
 # Headers that most sources share, parsed once: by pinode_base, whose flags all
@@ -98,7 +102,8 @@ function(pinode_add_unit_test name folder label libraries)
       LINKER:--whole-archive ${floors} LINKER:--no-whole-archive)
   endif()
   if(PINODE_UNITY_TESTS)
-    pinode_unity_build(${name})
+    # Names of tests are the same more often than those of the library.
+    pinode_unity_build(${name} 8)
   endif()
   # The long ones start first.
   set(cost 0)

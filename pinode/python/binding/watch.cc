@@ -42,11 +42,11 @@ constexpr std::chrono::seconds kSecondPress(10);
 // True if an interrupt was noticed within `kSecondPress` before this call,
 // which notices another one. Used under the interpreter's lock alone.
 bool IsSecondPress() {
-  using Clock = std::chrono::steady_clock;
-  static Clock::time_point last = Clock::time_point::min();
-  const Clock::time_point now = Clock::now();
+  using Steady = std::chrono::steady_clock;
+  static Steady::time_point last = Steady::time_point::min();
+  const Steady::time_point now = Steady::now();
   const bool second =
-      last != Clock::time_point::min() && now - last < kSecondPress;
+      last != Steady::time_point::min() && now - last < kSecondPress;
   last = now;
   return second;
 }
