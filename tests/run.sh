@@ -36,7 +36,6 @@ apps/install_packages.sh apps/packages.txt tests/packages.txt \
 echo "== format"
 tests/format.sh || failed+=("format")
 
-
 for preset in release asan tsan; do
   echo "== $preset"
   # The release build parses once what most sources include. The other two check
