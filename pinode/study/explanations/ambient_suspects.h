@@ -21,8 +21,13 @@ namespace pinode {
 // It is counted where it is positive. The scale of a channel is that of its
 // regression on the value that the other channels and S predict,
 // Y_c - (P Y)_c / P_cc; scales within a twentieth of 1 are left out.
+//
+// `is_poor` is true for the records that the fit does not describe. Their loads
+// have adapted to a wrong sensor. The most likely changes are therefore also
+// counted by what they gain at the initial values with loads of their own.
 std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
                                          const IdentifiedModel& model,
+                                         const std::vector<bool>& is_poor,
                                          int num_threads, size_t most);
 
 // Returns the factor by which this channel's samples should be multiplied, by

@@ -41,7 +41,8 @@ bool NamesATurn(const std::vector<Suspect>& suspects, int channel) {
 
 TEST(AmbientSuspects, AreNotFoundAmongGoodSensors) {
   const IdentificationProblem problem = Wind();
-  EXPECT_TRUE(MakeAmbientSuspects(problem, Truth(problem), 1, 2).empty());
+  EXPECT_TRUE(
+      MakeAmbientSuspects(problem, Truth(problem), {false}, 1, 2).empty());
 }
 
 TEST(AmbientSuspects, SwappedTurnedAndScaledSensorsComeFirst) {
@@ -50,7 +51,8 @@ TEST(AmbientSuspects, SwappedTurnedAndScaledSensorsComeFirst) {
   IdentificationProblem swapped = problem;
   Matrix& samples = swapped.ambient[0].samples;
   samples.row(1).swap(samples.row(3));
-  std::vector<Suspect> found = MakeAmbientSuspects(swapped, truth, 1, 1);
+  std::vector<Suspect> found =
+      MakeAmbientSuspects(swapped, truth, {false}, 1, 1);
   ASSERT_FALSE(found.empty());
   ASSERT_EQ(found[0].ambient_exchanged.size(), 1u);
   EXPECT_EQ(found[0].ambient_exchanged[0].one, 1);
@@ -58,7 +60,7 @@ TEST(AmbientSuspects, SwappedTurnedAndScaledSensorsComeFirst) {
 
   IdentificationProblem turned = problem;
   turned.ambient[0].samples.row(2) *= -1.0;
-  EXPECT_TRUE(NamesATurn(MakeAmbientSuspects(turned, truth, 1, 1), 2));
+  EXPECT_TRUE(NamesATurn(MakeAmbientSuspects(turned, truth, {false}, 1, 1), 2));
 
   IdentificationProblem scaled = problem;
   scaled.ambient[0].samples.row(2) *= 0.7;
@@ -72,12 +74,31 @@ TEST(AmbientSuspects, AreFoundWhereTheFitIsLost) {
   turned.ambient[0].samples.row(2) *= -1.0;
   IdentifiedModel lost = Truth(turned);
   lost.parameters.setConstant(20.0);
-  EXPECT_TRUE(NamesATurn(MakeAmbientSuspects(turned, lost, 1, 1), 2));
+  EXPECT_TRUE(NamesATurn(MakeAmbientSuspects(turned, lost, {false}, 1, 1), 2));
   // Neither model knows it.
   auto dynamics = std::make_shared<StructuralDynamics>(*turned.dynamics);
   dynamics->SetParameters(lost.parameters);
   turned.dynamics = dynamics;
-  EXPECT_FALSE(NamesATurn(MakeAmbientSuspects(turned, lost, 1, 1), 2));
+  EXPECT_FALSE(NamesATurn(MakeAmbientSuspects(turned, lost, {false}, 1, 1), 2));
+}
+
+// The loads of wrong samples take over their spectra, so that no change of the
+// sensors gains anything beside them.
+TEST(AmbientSuspects, AreFoundWithLoadsOfTheirOwn) {
+  const TestChain chain(3, kSpring, 0.01);
+  IdentificationProblem swapped =
+      ProblemOfChain(chain, kSpring, 0.1, RecordOfChain(chain, 50.0, 7, 0.0));
+  const IdentifiedModel initial = Truth(swapped);
+  EXPECT_TRUE(MakeAmbientSuspects(swapped, initial, {true}, 1, 1).empty());
+  Matrix& samples = swapped.ambient[0].samples;
+  samples.row(0).swap(samples.row(2));
+  EXPECT_TRUE(MakeAmbientSuspects(swapped, initial, {false}, 1, 1).empty());
+  const std::vector<Suspect> found =
+      MakeAmbientSuspects(swapped, initial, {true}, 1, 1);
+  ASSERT_FALSE(found.empty());
+  ASSERT_EQ(found[0].ambient_exchanged.size(), 1u);
+  EXPECT_EQ(found[0].ambient_exchanged[0].one, 0);
+  EXPECT_EQ(found[0].ambient_exchanged[0].two, 2);
 }
 
 // The suspects undo what was done to the samples.

@@ -228,8 +228,13 @@ void RefitSearch::AddSuspectsBeside() {
                                           Suspect::Kind::kClockRate;
                                  }),
                   suspects_.end());
-  for (Suspect& suspect : MakeAmbientSuspects(
-           problem_, model_, options_.num_threads, kMostAmbientSensors)) {
+  std::vector<bool> is_poor;
+  for (const AmbientScore& score : fit_.ambient) {
+    is_poor.push_back(score.probability < limits::kSpectrumProbability);
+  }
+  for (Suspect& suspect :
+       MakeAmbientSuspects(problem_, model_, is_poor, options_.num_threads,
+                           kMostAmbientSensors)) {
     suspects_.push_back(std::move(suspect));
   }
   for (Suspect& suspect :
