@@ -285,6 +285,39 @@ TEST(ConfusionsBeforeFit, SaysWhatTheRecordsCannotTell) {
                   ::testing::HasSubstr("do not separate all masses"))));
 }
 
+bool HasKind(const std::vector<Suspect>& suspects, Suspect::Kind kind) {
+  return std::any_of(
+      suspects.begin(), suspects.end(),
+      [kind](const Suspect& suspect) { return suspect.kind == kind; });
+}
+
+// Another start is the same as a late clock or another scale of all sensors.
+TEST(MakeSuspects, FreeVibrationHasNoClockAgainstTheExcitation) {
+  using Kind = Suspect::Kind;
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  IdentifiedModel model;
+  model.parameters = ParameterLayout(problem).InitialValues();
+  const std::vector<Suspect> driven = MakeSuspects(problem, model);
+  EXPECT_TRUE(HasKind(driven, Kind::kExcitationDelay));
+  EXPECT_TRUE(HasKind(driven, Kind::kExcitationScale));
+  for (IdentificationRecord& record : problem.records) {
+    const Excitation& old = *record.excitation;
+    record.excitation.emplace(old.start_time(), old.step(), 0.0 * old.samples(),
+                              old.interpolation());
+    record.start = IdentificationRecord::Start::kFree;
+  }
+  const std::vector<Suspect> free = MakeSuspects(problem, model);
+  EXPECT_FALSE(HasKind(free, Kind::kExcitationDelay));
+  EXPECT_FALSE(HasKind(free, Kind::kExcitationScale));
+  EXPECT_TRUE(HasKind(free, Kind::kSensorDelay));
+  // The instant of a known start is one that a clock can miss.
+  for (IdentificationRecord& record : problem.records) {
+    record.start = IdentificationRecord::Start::kRest;
+  }
+  EXPECT_TRUE(HasKind(MakeSuspects(problem, model), Kind::kExcitationDelay));
+}
+
 TEST(ScoreSuspects, PromisesWhatARefitGains) {
   TestFit fit =
       FitOf(MeasuredChain(3, *testing::MakeGroupedChain(3, 100.0, 0.5005), 7));

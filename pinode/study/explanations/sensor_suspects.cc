@@ -15,6 +15,15 @@ using Kind = Suspect::Kind;
 // of another record.
 constexpr double kMostDelay = 50.0;
 
+// True if nothing but its unknown start moves the record. Its sensors are then
+// early or late against nothing: another start is the same, and for linear
+// models so is another scale.
+bool IsFreeVibration(const IdentificationRecord& record) {
+  return record.start == IdentificationRecord::Start::kFree &&
+         (record.excitation->num_inputs() == 0 ||
+          record.excitation->samples().isZero(0.0));
+}
+
 class SensorCatalogue {
  public:
   SensorCatalogue(const IdentificationProblem& problem,
@@ -27,6 +36,7 @@ class SensorCatalogue {
     std::vector<std::string> names;
     std::vector<std::pair<int, int>> all;
     bool any_gain = false, any_delay = false;
+    bool any_driven = false;
     double step = 0.0;
     for (size_t r = 0; r < problem_.records.size(); ++r) {
       const IdentificationRecord& record = problem_.records[r];
@@ -35,6 +45,7 @@ class SensorCatalogue {
       for (size_t c = 0; c < record.channels.size(); ++c) {
         const MeasuredChannel& channel = record.channels[c];
         if (!channel.fit) continue;
+        any_driven = any_driven || !IsFreeVibration(record);
         const std::pair<int, int> at(static_cast<int>(r), static_cast<int>(c));
         any_gain = any_gain || channel.gain >= 0;
         any_delay = any_delay || channel.delay >= 0;
@@ -53,14 +64,14 @@ class SensorCatalogue {
         delays.push_back(SuspectUnknown("delay." + name));
       }
     }
-    if (!any_delay) {
+    if (!any_delay && any_driven) {
       Suspect* late = Add(Kind::kExcitationDelay, "",
                           "the clock of all sensors against the excitation");
       late->sensors = {Delay("excitation", step, all)};
       late->tied = delays;
       late->usual = step;
     }
-    if (!any_gain) {
+    if (!any_gain && (any_driven || !problem_.dynamics->IsLinear())) {
       Suspect* scale =
           Add(Kind::kExcitationScale, "",
               "all sensors by one factor (or the excitation by its inverse)");
