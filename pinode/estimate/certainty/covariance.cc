@@ -138,10 +138,17 @@ Matrix ScoresForInformation(const Objective& objective, bool ambient, bool frfs,
   return change;
 }
 
-// Makes the covariance from the inverse Hessian and the given middle matrix.
-bool MakeSandwich(const Matrix& middle, CovarianceEstimate* estimate) {
-  const Matrix inverse = estimate->covariance;
-  estimate->covariance = inverse * middle * inverse;
+// Makes the covariance from a root of the inverse Hessian and the given middle
+// matrix. In the coordinates of the root the middle matrix is near the
+// identity. The product of inverse, middle and inverse lost its symmetry, and
+// with it the verdict on damage, where prior knowledge alone tells two unknowns
+// apart: a free decay knows stiffness over mass to 1e-4.
+bool MakeSandwich(const Matrix& middle, const Matrix& inverse_root,
+                  CovarianceEstimate* estimate) {
+  const Matrix inner = inverse_root.transpose() * middle * inverse_root;
+  const Matrix outer = inverse_root * (0.5 * (inner + inner.transpose())) *
+                       inverse_root.transpose();
+  estimate->covariance = 0.5 * (outer + outer.transpose());
   return estimate->covariance.allFinite();
 }
 
@@ -448,7 +455,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
   const auto of_lines_alone = [&] {
     if (!by_scores_of_lines) return true;
     estimate->method = "sandwich";
-    return MakeSandwich(middle, estimate);
+    return MakeSandwich(middle, inverse_root, estimate);
   };
   if (shooting.train_records().empty()) return of_lines_alone();
 
@@ -479,7 +486,7 @@ bool EstimateCovariance(const IdentificationProblem& problem,
     middle += count / std::max(1.0, count - 1.0) * products;
     estimate->quantile = StudentQuantile(count - 1.0);
   }
-  return MakeSandwich(middle, estimate);
+  return MakeSandwich(middle, inverse_root, estimate);
 }
 
 }  // namespace pinode

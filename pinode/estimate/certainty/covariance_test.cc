@@ -42,7 +42,7 @@ class CovarianceTest : public ::testing::Test {
     MultipleShooting& shooting = objective.shooting();
     SetSegments(0, {states_}, &shooting);
     shooting.SetSigmas({sigma_});
-    shooting.SetStateScales({Vector::Constant(4, 0.2)});
+    shooting.SetStateScales({Vector::Constant(states_.rows(), 0.2)});
     CovarianceEstimate estimate;
     EXPECT_TRUE(EstimateCovariance(problem_, layout, choice, free_, {sigma_},
                                    &objective, &estimate));
@@ -186,6 +186,55 @@ TEST_F(CovarianceTest, SandwichSeesAutocorrelation) {
       EXPECT_EQ(automatic.method, "sandwich");
     }
   }
+}
+
+// The free decay of one mass knows stiffness over mass to 1e-4. Priors alone
+// know a common factor: it moves both along d = 1 + alpha, with the covariance
+// d d' / d'd. A sandwich that is not symmetric loses its positive definiteness.
+TEST_F(CovarianceTest, SandwichOfWhatPriorsAloneTellApart) {
+  const Matrix one = Matrix::Identity(1, 1);
+  auto dynamics = std::make_shared<StructuralDynamics>(
+      MakeStructuralModel(one, 0.0 * one, 30.0 * one),
+      std::vector<InputSpec>());
+  for (const bool is_mass : {false, true}) {
+    GroupTerm term;
+    term.group.name = is_mass ? "m" : "k";
+    if (is_mass) term.group.target = MatrixGroup::Target::kMass;
+    term.group.matrix = is_mass ? one : Matrix(30.0 * one);
+    term.alpha.name = term.group.name;
+    term.alpha.free = true;
+    term.alpha.prior_sigma = 1.0;
+    std::string error;
+    ASSERT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  problem_.dynamics = dynamics;
+  IdentificationRecord record =
+      testing::MakeExcitedRecord(*dynamics, 200, 0.05);
+  record.channels = {
+      testing::MakeChannel("a", Quantity::kAbsoluteAcceleration, 1, 0)};
+  record.start = IdentificationRecord::Start::kFree;
+  start_ = Eigen::Vector2d(0.1, 0.2);
+  free_ = Eigen::Vector2d(0.1, -0.05);
+  sigma_ = Vector::Constant(1, 0.05);
+  states_ = testing::Simulate(*dynamics, free_, start_, 0.0, 3, &record);
+  testing::Gaussian random(11);
+  double noise = 0.0;
+  for (double& value : record.channels[0].values) {
+    noise = 0.9 * noise + std::sqrt(1.0 - 0.81) * random.Next();
+    value += sigma_[0] * noise;
+  }
+  problem_.records = {record};
+  const Matrix covariance =
+      Estimate(IdentificationOptions::Covariance::kSandwich).covariance;
+  EXPECT_EQ(covariance, covariance.transpose());
+  EXPECT_EQ(covariance.llt().info(), Eigen::Success);
+  const Vector d = free_ + Vector::Ones(2);
+  EXPECT_LT((covariance - d * d.transpose() / d.squaredNorm()).norm(), 1e-4);
+  // Stiffness over mass.
+  const Vector ratio = Eigen::Vector2d(1.0 / d[0], -1.0 / d[1]);
+  const double variance = ratio.dot(covariance * ratio);
+  EXPECT_GT(variance, 1e-10);
+  EXPECT_LT(variance, 1e-6);
 }
 
 TEST_F(CovarianceTest, NoisyInputsAreRecognised) {
