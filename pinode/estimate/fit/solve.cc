@@ -12,6 +12,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/statistics.h"
 #include "pinode/base/stopwatch.h"
+#include "pinode/estimate/fit/valley.h"
 #include "pinode/estimate/objective/bent_cost.h"
 #include "pinode/estimate/solver/bounded_cost.h"
 #include "pinode/estimate/solver/condensed_cost.h"
@@ -38,18 +39,6 @@ void SetBounds(const BoundedCost& cost, double* scaled,
     }
   }
 }
-
-// Number of steps as in Limits::valley. A right model of ambient records takes
-// some 15 steps in all. Two exchanged sensors took 350 steps that each saved
-// 5e-6 of the cost, and their end was not in sight.
-constexpr int kMostValleySteps = 50;
-// A step that saves more is worth its time, however long the record: the cost
-// is a negative log-likelihood.
-constexpr double kMostValleySaving = 1.0;
-// Steps of smaller costs, which grow with lines and channels, are quick, and
-// such fits go on until they converge: one channel in a band of 2 Hz, with a
-// cost of 3.7e3, takes 15 ms a step.
-constexpr double kLeastValleyCost = 1e4;
 
 // Returns Ceres' options. `bends`: true if steps bend.
 ceres::Solver::Options SolverOptions(const FitContext& context, bool bends,
@@ -88,6 +77,7 @@ class Solver::Callback final : public ceres::IterationCallback {
         scaled_(scaled),
         limits_(limits),
         radius_(radius),
+        valley_(limits.valley),
         first_iteration_(context_.summary.num_iterations) {}
 
   ceres::CallbackReturnType operator()(
@@ -118,23 +108,16 @@ class Solver::Callback final : public ceres::IterationCallback {
     const bool crawls =
         std::abs(iteration.cost_change) < limits_.crawl * iteration.cost;
     crawling_steps_ = crawls ? crawling_steps_ + 1 : 0;
-    valley_steps_ =
-        iteration.cost > kLeastValleyCost &&
-                std::abs(iteration.cost_change) <
-                    std::min(limits_.valley * iteration.cost, kMostValleySaving)
-            ? valley_steps_ + 1
-            : 0;
-    if (valley_steps_ >= kMostValleySteps) {
-      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    }
-    return crawling_steps_ >= context_.tuning().solve.crawling_steps ||
+    valley_.Note(iteration.cost_change, iteration.cost);
+    return valley_.IsOne() ||
+                   crawling_steps_ >= context_.tuning().solve.crawling_steps ||
                    solver_.IsSettled(free, bounded_.system(), limits_)
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
 
   // True if the steps ended in a valley.
-  bool is_in_valley() const { return valley_steps_ >= kMostValleySteps; }
+  bool is_in_valley() const { return valley_.IsOne(); }
   // True if the caller asked for an end.
   bool is_stopped() const { return is_stopped_; }
 
@@ -147,7 +130,7 @@ class Solver::Callback final : public ceres::IterationCallback {
   const Limits& limits_;
   double* radius_;
   int crawling_steps_ = 0;  // one after the other
-  int valley_steps_ = 0;    // one after the other
+  Valley valley_;
   int first_iteration_;
   bool is_stopped_ = false;
 };
