@@ -2,7 +2,8 @@
 # The board of verdicts: random structures with hidden faults, the cases of this
 # project and of the measured data, one line each and a table of what was wrong,
 # named and covered, pairs of states of random structures of which one may have
-# lost stiffness, and measured frames in which nothing or much has changed.
+# lost stiffness, and measured frames and a beam in which nothing or much has
+# changed.
 #
 #   tests/benchmarks/verdicts.sh [COUNT]
 #
@@ -60,3 +61,7 @@ echo "Damage of random structures"
 echo
 echo "Measured frames"
 "$python" tests/benchmarks/verdicts/measured.py "$build/apps" "$measured"
+
+echo
+echo "Measured beam"
+"$python" tests/benchmarks/verdicts/dropbear.py "$build/apps" "$measured"

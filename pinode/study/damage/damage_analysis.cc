@@ -35,7 +35,10 @@ constexpr char kNewRecords[] = "the new records";
 using Candidates = std::vector<ChangeCandidate>;
 
 // Motion that an explanation with fewer unknowns may leave to be as good as the
-// fit of `summary`: somewhat more, or what noise alone may be taken for.
+// fit of `summary`: somewhat more, or what noise alone may be taken for. A
+// force gauge of 1.1, alone or beside a loss, left 0.04 to 0.70 of what the
+// changes left that stood for it (four runs). Faults that were none left 7
+// times as much (four masses grew by 8 to 12 %) and 19 times.
 double LeftOrNoise(const FitSummary& summary) {
   constexpr double kSomewhatMore = 1.5;
   double left = kSomewhatMore * MissedOf(summary, 0.0);
