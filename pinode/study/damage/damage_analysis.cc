@@ -250,6 +250,12 @@ class Analyst {
           "Small changes may be side effects.");
     }
     SayWhatExplains();
+    if (kinds && healthy.size() == 1 &&
+        result_.judgement.verdict == DamageVerdict::kCannotTell &&
+        std::find(gone.begin(), gone.end(), true) == gone.end()) {
+      RemarkMassInstead(kinds_->healthy()[0], kinds_->current(), groups_,
+                        candidates_, found_, &result_.remarks);
+    }
     for (const Baseline& baseline : baselines_) {
       RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
                             &result_.remarks);

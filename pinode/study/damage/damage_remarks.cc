@@ -1,5 +1,6 @@
 #include "pinode/study/damage/damage_remarks.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pinode/base/strings.h"
@@ -57,6 +58,45 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
       Join(texts, ", ") +
       ". Rely on the table of changes: with all groups free, a change "
       "spreads over groups that the records cannot tell apart.");
+}
+
+void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
+                       const std::vector<std::string>& groups,
+                       const std::vector<ChangeCandidate>& candidates,
+                       const std::vector<ChangeCandidate>& found,
+                       std::vector<std::string>* remarks) {
+  // Squared correlation from which two changes are one, in place of the other.
+  constexpr double kOne = 0.99;
+  const Vector change = current.values - healthy.values;
+  const Matrix covariance = current.covariance + healthy.covariance;
+  const auto percent = [](double logarithm) {
+    return FormatNumber(100.0 * std::expm1(logarithm), 3);
+  };
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const ChangeSubject& mass = candidates[c].subject;
+    const bool is_found = std::any_of(found.begin(), found.end(),
+                                      [&mass](const ChangeCandidate& other) {
+                                        return other.subject.name == mass.name;
+                                      });
+    if (mass.kind != ChangeKind::kMass || !is_found) continue;
+    const auto m = static_cast<Eigen::Index>(groups.size() + c);
+    for (size_t j = 0; j < groups.size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(j);
+      const double slope = covariance(i, m) / covariance(m, m);
+      const double shared = slope * covariance(i, m) / covariance(i, i);
+      if (!(shared > kOne)) continue;
+      const double alone = change[i] - slope * change[m];
+      const double half =
+          1.96 * std::sqrt(std::max(0.0, (1.0 - shared) * covariance(i, i)));
+      remarks->push_back(
+          "The records do not tell '" + groups[j] + "' from the mass at " +
+          mass.place + ". If that mass has not changed, '" + groups[j] +
+          "' has changed by " + percent(alone) + " % (" +
+          percent(alone - half) + " to " + percent(alone + half) +
+          " %). If no mass can have changed, leave \"mass\" out "
+          "of damage.kinds and run again.");
+    }
+  }
 }
 
 }  // namespace pinode

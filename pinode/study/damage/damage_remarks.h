@@ -8,6 +8,7 @@
 
 #include "pinode/damage/change.h"
 #include "pinode/study/damage/baseline.h"
+#include "pinode/study/damage/damage_search.h"
 
 namespace pinode {
 
@@ -30,6 +31,16 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
                        const GroupState& current,
                        const std::vector<std::string>& groups,
                        const ChangeEstimate& estimate,
+                       std::vector<std::string>* remarks);
+
+// Groups of stiffness whose change the records do not tell from that of a mass
+// among `found`, and the change that they have if the mass has none. A free
+// decay knows stiffness over mass alone: 17 % less stiffness was "a loss is not
+// ruled out". Both states have `groups` and then `candidates`, as logarithms.
+void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
+                       const std::vector<std::string>& groups,
+                       const std::vector<ChangeCandidate>& candidates,
+                       const std::vector<ChangeCandidate>& found,
                        std::vector<std::string>* remarks);
 
 }  // namespace pinode
