@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -245,7 +246,7 @@ int Watch(const WatchedStructure& structure, int64_t id, Store* store) {
     if (Look(structure, id, is_due, once, FLAGS_overwrite || !first, store,
              &last_state, &counts, &status, &error)) {
       // An alarm is told even if the page cannot be written.
-      const bool notified = Notify(structure, id, store);
+      const bool notified = counts.interrupted || Notify(structure, id, store);
       if (status != kExitDone) return status;
       if (once && !notified) return kExitNotUsable;
       is_due = false;
@@ -295,6 +296,13 @@ int RunProgram(int argc, char** argv) {
     return Refuse(error);
   }
   if (!FLAGS_mend.empty()) return StoreDecision(structure);
+  // Found now, not when the first alarm is due.
+  if (!structure.notify.user.empty() &&
+      std::getenv("PINODE_MAIL_PASSWORD") == nullptr) {
+    return Refuse(FLAGS_structure +
+                  ": [notify] names a user; set PINODE_MAIL_PASSWORD in the "
+                  "environment");
+  }
   std::unique_ptr<Store> store;
   int64_t id = 0;
   if (!Store::Open(FLAGS_store, Store::Access::kReadAndWrite, &store, &error) ||

@@ -12,8 +12,8 @@
 # Includes of the project are written from its root, so that none escapes this
 # check. Third parties that have one
 # door: gflags in apps/, glog in pinode/base/logging.h, toml++ in pinode/case,
-# MPI in pinode/mpi, pybind11 in pinode/python, httplib in pinode/app, SQLite in
-# pinode/watch.
+# MPI in pinode/mpi, pybind11 in pinode/python, httplib in pinode/app, SQLite and
+# libcurl in pinode/watch.
 #
 # Prints `file:line: what, and what was expected` for each violation and exits
 # 1 if there is one; exits 2 if there is nothing to check.
@@ -122,6 +122,9 @@ awk '
     }
     if (header == "sqlite3.h" && FILENAME !~ /^pinode\/watch\/store(_[a-z]+)?\.(cc|h)$/) {
       Fail("includes " header ", expected pinode/watch/store*")
+    }
+    if (header ~ /^curl\// && FILENAME != "pinode/watch/courier.cc") {
+      Fail("includes " header ", expected pinode/watch/courier.cc")
     }
     if (header == "mpi.h" && FILENAME !~ /^pinode\/mpi\//) {
       Fail("includes " header ", expected pinode/base/communicator.h")

@@ -96,6 +96,10 @@ bool PostToWebhook(const std::string& address, const std::string& json,
 bool SendMail(const NotifyOptions& options, const std::string& mail,
               std::string* error) {
   const std::string& address = options.mail;
+  // Without a receiver libcurl sends nothing and reports no error.
+  if (options.to.empty()) {
+    return Fail(address, "[notify] names no receivers; set `to`", error);
+  }
   const Transfer transfer = Begin(address, "smtp,smtps");
   if (transfer == nullptr)
     return Fail(address, "libcurl does not start", error);

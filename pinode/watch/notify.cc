@@ -49,9 +49,14 @@ Couriers CouriersOf(const NotifyOptions& options) {
 bool SendNewEvents(const WatchedStructure& structure, int64_t id,
                    const Couriers& couriers, Store* store, std::string* error) {
   // A way that fails does not keep the other one from being tried.
+  std::string of_webhook, of_mail;
   const bool posted =
-      SendOver("webhook", couriers.webhook, structure, id, store, error);
-  return SendOver("mail", couriers.mail, structure, id, store, error) && posted;
+      SendOver("webhook", couriers.webhook, structure, id, store, &of_webhook);
+  const bool mailed =
+      SendOver("mail", couriers.mail, structure, id, store, &of_mail);
+  if (posted && mailed) return true;
+  *error = posted ? of_mail : mailed ? of_webhook : of_webhook + "; " + of_mail;
+  return false;
 }
 
 }  // namespace pinode

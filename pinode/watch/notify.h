@@ -26,7 +26,7 @@ Couriers CouriersOf(const NotifyOptions& options);
 
 // Sends one message about all events in the store that were not sent yet over a
 // way, and remembers them. What is not taken is tried again by the next call.
-// Returns false with the last line of those that failed.
+// Returns false with one line about those that failed.
 [[nodiscard]] bool SendNewEvents(const WatchedStructure& structure, int64_t id,
                                  const Couriers& couriers, Store* store,
                                  std::string* error);

@@ -99,7 +99,7 @@ TEST_F(NotifyTest, NoticesAreToldOnRequest) {
   EXPECT_THAT(posted_[0], Not(HasSubstr("mode 2")));
 }
 
-// Port 1 of this machine: nobody listens there. Secrets of the address stay out
+// Port 1 of this machine: it has no listener. Secrets of the address stay out
 // of messages.
 TEST(Courier, SaysWhereNothingWasTaken) {
   std::string error;

@@ -271,24 +271,53 @@ class StructureFileReader {
     }
     CheckAddress(table, "webhook", options.webhook, "http");
     CheckAddress(table, "mail", options.mail, "smtp");
-    const bool has_mail = !options.mail.empty();
-    for (const char* key : {"from", "to"}) {
-      if (!errors_.ok() || table.Has(key) == has_mail) continue;
-      table.Fail(has_mail ? "mail" : key,
-                 has_mail
-                     ? std::string(key) + " is missing, expected " +
-                           (key == std::string("to") ? "receivers" : "a sender")
-                     : std::string(key) + " needs `mail`, the server");
+    if (!errors_.ok() || !root_.Has("notify")) return;
+    // Whoever writes this table expects to be told.
+    if (options.kinds.empty()) {
+      table.Fail("kinds",
+                 "kinds is empty, expected alarm, notice or all-clear");
+    } else if (options.mail.empty() && options.webhook.empty()) {
+      table.Fail("webhook",
+                 "[notify] has neither `webhook` nor `mail`, expected one of "
+                 "them");
+    } else {
+      CheckMail(table);
     }
-    std::vector<std::string> people = options.to;
-    if (has_mail) people.push_back(options.from);
-    for (const std::string& person : people) {
-      if (errors_.ok() && !IsMailAddress(person)) {
-        table.Fail("mail", Quote(person) +
-                               " is no address of mail, expected one such as "
-                               "\"engineer@example.org\"");
+  }
+
+  void CheckMail(const TomlTable& table) {
+    const NotifyOptions& options = structure_.notify;
+    if (options.mail.empty()) {
+      for (const char* key : {"from", "to", "user", "mail_tls"}) {
+        if (!table.Has(key)) continue;
+        table.Fail(key, std::string(key) + " needs `mail`, the server");
+        return;
       }
+      return;
     }
+    if (options.from.empty()) {
+      table.Fail("mail", "from is missing, expected the sender");
+    } else if (options.to.empty()) {
+      table.Fail(table.Has("to") ? "to" : "mail",
+                 "to is missing or empty, expected receivers");
+    } else if (!options.user.empty() && !options.mail_tls &&
+               options.mail.rfind("smtp://", 0) == 0) {
+      table.Fail("user",
+                 "user needs an encrypted server, expected smtps:// or "
+                 "mail_tls = true; the password would be readable");
+    }
+    CheckPerson(table, "from", options.from);
+    for (const std::string& person : options.to) {
+      CheckPerson(table, "to", person);
+    }
+  }
+
+  void CheckPerson(const TomlTable& table, const char* key,
+                   const std::string& person) {
+    if (!errors_.ok() || IsMailAddress(person)) return;
+    table.Fail(key, Quote(person) +
+                        " is not a mail address, expected one such as "
+                        "\"engineer@example.org\"");
   }
 
   // An address would begin another line of a mail's head, or of the talk with

@@ -77,7 +77,8 @@ struct NotifyOptions {
   std::string webhook;  // http:// or https://
   std::string mail;     // smtp:// or smtps://
   bool mail_tls = true;
-  std::string user;  // of the mail server; empty: it asks for none
+  // User of the mail server. Empty: it asks for none.
+  std::string user;
   std::string from;
   std::vector<std::string> to;
 };

@@ -123,10 +123,22 @@ TEST(StructureFile, RefusesInOneLine) {
   const std::string from = "from = \"b@example.org\"\n";
   EXPECT_NE(ErrorOf(mail + to).find("from is missing"), std::string::npos);
   EXPECT_NE(ErrorOf(mail + from).find("to is missing"), std::string::npos);
-  EXPECT_NE(ErrorOf(mail + from + "to = [\"a\\r\\nb@example.org\"]\n")
-                .find("no address of mail"),
+  EXPECT_NE(ErrorOf(mail + from + "to = []\n").find("to is missing or empty"),
             std::string::npos);
-  EXPECT_NE(ErrorOf(least + "[notify]\n" + to).find("needs `mail`"),
+  EXPECT_NE(ErrorOf(mail + from + to + "kinds = []\n").find("kinds is empty"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\nkinds = [\"alarm\"]\n")
+                .find("neither `webhook` nor `mail`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\nmail = \"smtp://localhost\"\n" + from +
+                    to + "mail_tls = false\nuser = \"bridge\"\n")
+                .find("needs an encrypted server"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(mail + from + "to = [\"a\\r\\nb@example.org\"]\n")
+                .find("not a mail address"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[notify]\nwebhook = \"http://a.b\"\n" + to)
+                .find("needs `mail`"),
             std::string::npos);
   EXPECT_NE(ErrorOf(least + "[notify]\nwebhook = \"file:///etc/passwd\"\n")
                 .find("begins with http://"),

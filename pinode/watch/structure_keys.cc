@@ -63,7 +63,7 @@ CaseTable NotifyKeys() {
                "Events that are told: `alarm`, `notice`, `all-clear`."},
               {"webhook", "text", "http(s)://", "none",
                "Address that gets each message as JSON: `structure`, `text` "
-               "and `events`. Chat services show `text`."},
+               "and `events`. Slack and Mattermost show `text`."},
               {"mail", "text", "smtp(s)://", "none",
                "Server that gets each message as a mail, such as "
                "`\"smtps://mail.example.org\"`."},
@@ -102,7 +102,7 @@ const std::vector<CaseTable>& StructureTables() {
            {"tracking", "table", "", "see its keys",
             "How modes are joined to histories."},
            {"alarm", "table", "", "see its keys", "Chart and its alarms."},
-           {"notify", "table", "", "nobody", "Messages about alarms."},
+           {"notify", "table", "", "no messages", "Messages about alarms."},
        }},
       RecordsKeys(),
       CovariateKeys(),

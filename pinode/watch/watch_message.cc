@@ -18,6 +18,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kMostLines = 20;
 constexpr size_t kLongestSubject = 150;
+// A line of a head with encoded words has at most 76 characters (RFC 2047),
+// "Subject: =?UTF-8?Q?" and "?=" among them.
+constexpr size_t kLongestWord = 50;
+// A line of a mail has at most 998 bytes (RFC 5322).
+constexpr size_t kLongestLine = 900;
 
 // Returns the text in one line: a name must not begin a line of its own in the
 // head of a mail.
@@ -74,12 +79,30 @@ std::string HeadText(const std::string& text) {
     } else if (length == 1 && c == ' ') {
       encoded = "_";
     }
-    if (word.size() + encoded.size() > 60) close();
+    if (word.size() + encoded.size() > kLongestWord) close();
     word += encoded;
     i += length;
   }
   close();
   return head;
+}
+
+// Breaks long lines at blanks, or between two characters of UTF-8.
+std::string WithShortLines(const std::string& text) {
+  std::string lines;
+  size_t length = 0;
+  for (const char c : text) {
+    const bool is_inside = (static_cast<unsigned char>(c) & 0xc0) == 0x80;
+    if (c == '\n' || (length >= kLongestLine && c == ' ') ||
+        (length >= kLongestLine + 50 && !is_inside)) {
+      lines += "\r\n";
+      length = 0;
+      if (c == '\n' || c == ' ') continue;
+    }
+    lines += c;
+    ++length;
+  }
+  return lines;
 }
 
 // Returns a date as in the head of a mail, in UTC and in no locale's language.
@@ -148,16 +171,13 @@ std::string MailText(const WatchMessage& message, const NotifyOptions& options,
                      double now) {
   std::string text = "Date: " + MailDate(now) + "\r\n";
   text += "From: " + options.from + "\r\n";
-  text += "To: " + Join(options.to, ", ") + "\r\n";
+  text += "To: " + Join(options.to, ",\r\n ") + "\r\n";
   text += "Subject: " + HeadText(message.subject) + "\r\n";
   text += "Message-ID: <" + message.identity + "@pinode.invalid>\r\n";
   text +=
       "MIME-Version: 1.0\r\nContent-Type: text/plain; charset=utf-8\r\n"
       "Content-Transfer-Encoding: 8bit\r\n\r\n";
-  for (const char c : message.text) {
-    if (c == '\n') text += '\r';
-    text += c;
-  }
+  text += WithShortLines(message.text);
   return text;
 }
 

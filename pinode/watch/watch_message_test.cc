@@ -62,10 +62,29 @@ TEST(WatchMessage, HostileNamesStayInTheirLine) {
   const std::string mail = MailText(message, options, kNoon);
   EXPECT_THAT(mail, StartsWith("Date: Mon, 1 Jan 2024 12:00:00 +0000\r\n"
                                "From: bridge@example.org\r\n"
-                               "To: a@example.org, b@example.org\r\n"
+                               "To: a@example.org,\r\n b@example.org\r\n"
                                "Subject: "));
   EXPECT_THAT(mail, Not(HasSubstr("\nBcc")));
   EXPECT_THAT(mail, Not(HasSubstr("\n.\r\n")));
+}
+
+TEST(WatchMessage, LinesOfAMailAreShort) {
+  NotifyOptions options;
+  options.from = "bridge@example.org";
+  for (int i = 0; i < 60; ++i) {
+    options.to.push_back("person" + std::to_string(i) + "@example.org");
+  }
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += "channel a" + std::to_string(i) + ", ";
+  for (const std::string& reason : {text, std::string(3000, 'x')}) {
+    const std::string mail = MailText(
+        ComposeMessage("bridge", {{kNoon, "alarm", reason}}), options, kNoon);
+    size_t begin = 0;
+    for (size_t end = 0; (end = mail.find("\r\n", begin)) != mail.npos;
+         begin = end + 2) {
+      EXPECT_LE(end - begin, 998u);
+    }
+  }
 }
 
 TEST(WatchMessage, OtherLettersAreEncodedInTheSubject) {
@@ -75,13 +94,17 @@ TEST(WatchMessage, OtherLettersAreEncodedInTheSubject) {
       MailText(ComposeMessage("Brücke 7", {{kNoon, "alarm", "Mode 2 fiel"}}),
                options, kNoon);
   EXPECT_THAT(mail, HasSubstr("Subject: =?UTF-8?Q?Br=C3=BCcke_7=3A_alarm_of_"));
-  // No encoded word is longer than 75 characters.
-  size_t begin = 0;
-  while ((begin = mail.find("=?", begin)) != std::string::npos) {
-    const size_t end = mail.find("?=", begin + 10);
+  // RFC 2047: 76 characters in each of these lines.
+  std::string name;
+  for (int i = 0; i < 40; ++i) name += "ü";
+  const std::string more =
+      MailText(ComposeMessage(name, {{kNoon, "alarm", "x"}}), options, kNoon);
+  size_t begin = more.find("Subject:");
+  for (size_t end = begin; more.compare(begin, 11, "Message-ID:") != 0;
+       begin = end + 2) {
+    end = more.find("\r\n", begin);
     ASSERT_NE(end, std::string::npos);
-    EXPECT_LE(end + 2 - begin, 75u);
-    begin = end + 2;
+    EXPECT_LE(end - begin, 76u) << more.substr(begin, end - begin);
   }
 }
 

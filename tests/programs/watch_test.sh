@@ -95,8 +95,9 @@ Run 2 pinode_watch --structure=watched_bridge.toml --store=w.db --once \
   --output_dir=D
 grep -q exists stderr || Fail "the folder was replaced"
 
-# The alarm of the store is told once over each way, as soon as somebody takes
-# it.
+# The alarm of the store is told once over each way, as soon as a server
+# takes it.
+export no_proxy=127.0.0.1 NO_PROXY=127.0.0.1
 mkdir told
 "$python" -B "$here/message_servers.py" told &
 servers=$!

@@ -39,7 +39,7 @@ bool ChooseMatrix(int role, const MatrixSource& source,
           ? UsualNames(role)
           : std::vector<std::string>{LowerCase(source.variable)};
   size_t found = kNone;
-  int count = 0;  // of the name that is chosen
+  int count = 0;  // matrices with the chosen name
   for (size_t i = 0; i < names.size(); ++i) {
     if (std::find(wanted.begin(), wanted.end(), LowerCase(names[i])) ==
         wanted.end()) {

@@ -154,7 +154,7 @@ class DmigReader {
     if (name.empty()) return Fail("the DMIG entry names no matrix");
     is_header_ = unit[1] == "0";
     if (is_header_) return StartMatrix(name, unit);
-    const auto found = index_.find(name);
+    const auto found = index_.find(LowerCase(name));
     if (found == index_.end()) {
       return Fail("matrix " + Quote(name) + " has no header, expected 'DMIG, " +
                   name + ", 0, form, type' before its columns");
@@ -171,7 +171,7 @@ class DmigReader {
                   Quote(unit[2]) + " and type " + Quote(unit[3]) +
                   ", expected two numbers");
     }
-    if (!index_.emplace(name, open_.size()).second) {
+    if (!index_.emplace(LowerCase(name), open_.size()).second) {
       return Fail("matrix " + Quote(name) +
                   " has two headers, expected each matrix once");
     }
@@ -204,7 +204,7 @@ class DmigReader {
   bool TakeEntry(const std::string_view* unit) {
     OpenMatrix& matrix = open_[current_];
     if (unit[0].empty() && unit[1].empty() && unit[2].empty()) return true;
-    // Nobody needs what a matrix with a fault holds.
+    // The entries of a matrix with a fault are not used.
     if (!matrix.fault.empty()) return true;
     DofEntry entry;
     entry.column = column_;
@@ -239,6 +239,12 @@ class DmigReader {
     std::string what;
     if (!MakeDofMatrix(from->entries, &result.matrix, &line, &what)) {
       result.fault = "line " + std::to_string(line) + ": " + what;
+      return result;
+    }
+    // A square matrix states both triangles. With one of them it is not
+    // symmetric, which is for the check of the model to say.
+    if (!from->is_symmetric && result.matrix.mirrored) {
+      result.matrix.mirrored = false;
     }
     return result;
   }
@@ -246,9 +252,11 @@ class DmigReader {
   LineReader lines_;
   std::string* const error_;
   std::vector<OpenMatrix> open_;
-  std::map<std::string, size_t> index_;  // of open_, by name
-  bool is_open_ = false;                 // within a DMIG entry
-  bool is_started_ = false;              // its first unit was read
+  // Index into open_ by name in lower case, as Nastran does not tell cases
+  // apart.
+  std::map<std::string, size_t> index_;
+  bool is_open_ = false;     // within a DMIG entry
+  bool is_started_ = false;  // its first unit was read
   bool is_header_ = false;
   size_t current_ = 0;
   NodeDirection column_;

@@ -18,7 +18,7 @@ std::vector<DmigMatrix> ReadOrFail(const std::string& content) {
   return matrices;
 }
 
-std::string ErrorOf(const std::string& content) {
+std::string DmigErrorOf(const std::string& content) {
   std::vector<DmigMatrix> matrices;
   std::string error;
   EXPECT_FALSE(ReadDmigText("model.pch", content, &matrices, &error));
@@ -55,6 +55,15 @@ TEST(Dmig, SymmetricEntriesMayLieOnEitherSideOrOnBoth) {
   }
 }
 
+// Square matrices state every term; one of a coupling is not mirrored.
+TEST(Dmig, SquareMatricesAreTakenAsTheyStand) {
+  const std::vector<DmigMatrix> read =
+      ReadOrFail("DMIG,b,0,1,1,0\nDMIG,B,1,1,,2,1,5.0\nDMIG,B,1,1,,1,1,2.0\n");
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].fault, "");
+  EXPECT_FALSE(read[0].matrix.mirrored);
+}
+
 TEST(Dmig, MatricesOfOtherKindsHaveAFault) {
   const std::vector<DmigMatrix> read = ReadOrFail(
       "DMIG,C,0,6,4,0\nDMIG,C,1,1,,1,1,1.0,2.0\n"
@@ -66,23 +75,24 @@ TEST(Dmig, MatricesOfOtherKindsHaveAFault) {
   EXPECT_THAT(read[0].fault, HasSubstr("complex"));
   EXPECT_THAT(read[1].fault, HasSubstr("rectangular"));
   EXPECT_THAT(read[2].fault, HasSubstr("no entries"));
-  EXPECT_THAT(read[3].fault, HasSubstr("line "));
+  EXPECT_THAT(read[3].fault, HasSubstr("the entry of "));
 }
 
 TEST(Dmig, BadFilesAreRefusedByLine) {
-  EXPECT_THAT(ErrorOf("GRID,1\n"), HasSubstr("no DMIG entries"));
-  EXPECT_THAT(ErrorOf("DMIG,K,1,1,,1,1,4.0\n"), HasSubstr(":1: matrix 'K' has "
-                                                          "no header"));
-  EXPECT_THAT(ErrorOf("DMIG,K,0,six,2,0\n"), HasSubstr("form 'six'"));
-  EXPECT_THAT(ErrorOf("DMIG,K,0,6,2,0\nDMIG,K,0,6,2,0\n"),
+  EXPECT_THAT(DmigErrorOf("GRID,1\n"), HasSubstr("no DMIG entries"));
+  EXPECT_THAT(DmigErrorOf("DMIG,K,1,1,,1,1,4.0\n"),
+              HasSubstr(":1: matrix 'K' has "
+                        "no header"));
+  EXPECT_THAT(DmigErrorOf("DMIG,K,0,six,2,0\n"), HasSubstr("form 'six'"));
+  EXPECT_THAT(DmigErrorOf("DMIG,K,0,6,2,0\nDMIG,K,0,6,2,0\n"),
               HasSubstr(":2: matrix 'K' has two headers"));
-  EXPECT_THAT(ErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,7,,1,1,4.0\n"),
+  EXPECT_THAT(DmigErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,7,,1,1,4.0\n"),
               HasSubstr(":2: the column is point '1', component '7'"));
-  EXPECT_THAT(ErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,1,,x,1,4.0\n"),
+  EXPECT_THAT(DmigErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,1,,x,1,4.0\n"),
               HasSubstr("the row is point 'x'"));
-  EXPECT_THAT(ErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,1,,1,1,\n"),
+  EXPECT_THAT(DmigErrorOf("DMIG,K,0,6,2,0\nDMIG,K,1,1,,1,1,\n"),
               HasSubstr("the value is ''"));
-  EXPECT_THAT(ErrorOf("DMIG,,0,6,2,0\n"), HasSubstr("names no matrix"));
+  EXPECT_THAT(DmigErrorOf("DMIG,,0,6,2,0\n"), HasSubstr("names no matrix"));
 }
 
 }  // namespace

@@ -65,6 +65,9 @@ bool MakeDofMatrix(const std::vector<DofEntry>& given, DofMatrix* matrix,
   MatrixEntry at;
   if (!FindTriangle(&result.entries, &result.mirrored, &at, what)) {
     *line = at.line;
+    *what = "the entry of " + result.dofs[static_cast<size_t>(at.row)].Name() +
+            " and " + result.dofs[static_cast<size_t>(at.column)].Name() +
+            ": " + *what;
     return false;
   }
   *matrix = std::move(result);

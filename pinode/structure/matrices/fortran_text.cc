@@ -41,7 +41,7 @@ bool ParseFortranFormat(std::string_view text, FortranFormat* format) {
   int groups = 0;
   int count = 1;
   bool is_scaled = false;
-  // What comes before the letter: parentheses, repetitions, a scale factor.
+  // Before the letter: parentheses, repetitions, a scale factor.
   for (;;) {
     const int number = TakeNumber(&rest, 1);
     if (number < 0 || rest.empty()) return false;

@@ -49,8 +49,8 @@ class HarwellBoeingReader {
     return Fail(std::string("the file ends here, expected ") + expected);
   }
 
-  // Reads the title and the numbers of lines of each part. The latter only say
-  // if a fifth line of the header follows: one about right-hand sides.
+  // Reads the title and the numbers of lines of each part. The numbers
+  // only say if a fifth line of the header follows: one about right-hand sides.
   bool ReadCards() {
     std::string_view line;
     if (!NextLine("a title", &line)) return false;
@@ -107,6 +107,7 @@ class HarwellBoeingReader {
       return Fail("the type is " + Quote(words[0]) +
                   ", expected RSA (symmetric) or RUA (general)");
     }
+    is_integer_ = type[0] == 'i';
     is_symmetric_ = type[1] == 's';
     if (size_ != columns) {
       return Fail("the matrix is " + SizeText(size_, columns) +
@@ -138,7 +139,8 @@ class HarwellBoeingReader {
                                       &value_format_};
     for (int i = 0; i < 3; ++i) {
       if (!ParseFortranFormat(texts[i], formats[i]) ||
-          (formats[i]->letter == 'I') != (i < 2)) {
+          (i < 2 ? formats[i]->letter != 'I'
+                 : formats[i]->letter == 'I' && !is_integer_)) {
         return Fail("the format " + std::to_string(i + 1) + " is " +
                     Quote(StripBlanks(texts[i])) + ", expected one such as " +
                     (i < 2 ? "'(10I8)'" : "'(4E20.12)'"));
@@ -232,6 +234,7 @@ class HarwellBoeingReader {
   const int max_dimension_;
   std::string* const error_;
   bool has_right_sides_ = false;
+  bool is_integer_ = false;
   bool is_symmetric_ = false;
   int size_ = 0;
   int num_entries_ = 0;

@@ -29,7 +29,7 @@ std::string Small(const std::string& from = "", const std::string& to = "") {
   return content;
 }
 
-std::string ErrorOf(const std::string& content) {
+std::string HarwellBoeingErrorOf(const std::string& content) {
   SparseMatrix matrix;
   std::string error;
   EXPECT_FALSE(
@@ -47,35 +47,56 @@ TEST(HarwellBoeing, SymmetricTriangleStandsForBoth) {
   EXPECT_EQ(Matrix(matrix), expected);
 }
 
+TEST(HarwellBoeing, WholeNumbersMayHaveAFormatOfTheirOwn) {
+  std::string content = Small("RSA", "ISA");
+  content.replace(content.find("(3E10.3)"), 8, "(3I10)  ");
+  content.replace(content.find(" 4.000E+00"), 30,
+                  "         4        -1         3");
+  SparseMatrix matrix;
+  std::string error;
+  ASSERT_TRUE(ReadHarwellBoeingText("K.hb", content, 100, &matrix, &error))
+      << error;
+  EXPECT_EQ(matrix.coeff(0, 1), -1.0);
+  EXPECT_EQ(matrix.coeff(1, 1), 3.0);
+}
+
 TEST(HarwellBoeing, BadFilesAreRefusedByLine) {
-  EXPECT_THAT(ErrorOf(""), HasSubstr("K.matrix:1: the file ends here"));
-  EXPECT_THAT(ErrorOf(std::string("a\0b\n", 4)), HasSubstr("ASCII"));
-  EXPECT_THAT(ErrorOf("title\nno numbers\n"), HasSubstr(":2: the line is"));
-  EXPECT_THAT(ErrorOf(Small("RSA", "PSA")), HasSubstr("without values"));
-  EXPECT_THAT(ErrorOf(Small("RSA", "CSA")), HasSubstr("complex"));
-  EXPECT_THAT(ErrorOf(Small("RSA", "RSE")), HasSubstr("elements"));
-  EXPECT_THAT(ErrorOf(Small("RSA", "RZA")), HasSubstr("expected RSA"));
-  EXPECT_THAT(ErrorOf(Small("             2             2 ",
-                            "             2             3 ")),
+  EXPECT_THAT(HarwellBoeingErrorOf(""),
+              HasSubstr("K.matrix:1: the file ends here"));
+  EXPECT_THAT(HarwellBoeingErrorOf(std::string("a\0b\n", 4)),
+              HasSubstr("ASCII"));
+  EXPECT_THAT(HarwellBoeingErrorOf("title\nno numbers\n"),
+              HasSubstr(":2: the line is"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("RSA", "PSA")),
+              HasSubstr("without values"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("RSA", "CSA")), HasSubstr("complex"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("RSA", "RSE")), HasSubstr("elements"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("RSA", "RZA")),
+              HasSubstr("expected RSA"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("             2             2 ",
+                                         "             2             3 ")),
               HasSubstr("2 x 3"));
-  EXPECT_THAT(ErrorOf(Small("             2             2 ",
-                            "           200           200 ")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("             2             2 ",
+                                         "           200           200 ")),
               HasSubstr("at most 100 rows"));
-  EXPECT_THAT(ErrorOf(Small("(3I4)", "(3A4)")), HasSubstr(":4: the format 1"));
-  EXPECT_THAT(ErrorOf(Small("(3E10.3)", "(3I10)")), HasSubstr("the format 3"));
-  EXPECT_THAT(ErrorOf(Small("   1   3   4", "   1   4   3")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("(3I4)", "(3A4)")),
+              HasSubstr(":4: the format 1"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("(3E10.3)", "(3I10)")),
+              HasSubstr("the format 3"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("   1   3   4", "   1   4   3")),
               HasSubstr(":5: the beginning of column 3 is '3'"));
-  EXPECT_THAT(ErrorOf(Small("   1   3   4", "   2   3   4")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("   1   3   4", "   2   3   4")),
               HasSubstr("the beginning of column 1 is '2'"));
-  EXPECT_THAT(ErrorOf(Small("   1   2   2", "   1   3   2")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("   1   2   2", "   1   3   2")),
               HasSubstr(":6: row 2 of the list is '3'"));
-  EXPECT_THAT(ErrorOf(Small("   1   2   2", "   1   1   2")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("   1   2   2", "   1   1   2")),
               HasSubstr("entry (1, 1)"));
-  EXPECT_THAT(ErrorOf(Small("-1.000E+00", "-1.000E+0x")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("-1.000E+00", "-1.000E+0x")),
               HasSubstr(":7: entry (2, 1) is '-1.000E+0x'"));
-  EXPECT_THAT(ErrorOf(Small("-1.000E+00", "       nan")),
+  EXPECT_THAT(HarwellBoeingErrorOf(Small("-1.000E+00", "       nan")),
               HasSubstr("finite number"));
-  EXPECT_THAT(ErrorOf(Small(" 3.000E+00", "")), HasSubstr("entry (2, 2)"));
+  EXPECT_THAT(HarwellBoeingErrorOf(Small(" 3.000E+00", "")),
+              HasSubstr("entry (2, 2)"));
 }
 
 TEST(RowMapping, NamesRowsInTheirOrder) {
