@@ -180,13 +180,14 @@ class ModelReader {
   // Lets the DOFs' names come from the file of the same name with another
   // extension, if there is one and the user names none.
   void TakeNamesBeside(const std::string& path, const char* extension) {
-    if (!default_names_path_.empty()) return;
     const std::string beside = std::filesystem::path(WithoutGz(path))
                                    .replace_extension(extension)
                                    .string();
     std::error_code status;
-    if (std::filesystem::is_regular_file(beside, status)) {
-      default_names_path_ = beside;
+    std::vector<std::string>& known = default_names_paths_;
+    if (std::filesystem::is_regular_file(beside, status) &&
+        std::find(known.begin(), known.end(), beside) == known.end()) {
+      known.push_back(beside);
     }
   }
 
@@ -287,12 +288,26 @@ class ModelReader {
   }
 
   bool ReadNames() {
-    std::string path = names_path_;
-    if (path.empty() && names_.empty()) path = default_names_path_;
-    if (path.empty()) return true;
-    names_source_ = path;
-    return Extension(path) == ".mapping" ? ReadRowMapping(path, &names_, error_)
-                                         : ReadDofNames(path, &names_, error_);
+    std::vector<std::string> paths = {names_path_};
+    if (names_path_.empty()) {
+      if (!names_.empty() || default_names_paths_.empty()) return true;
+      paths = default_names_paths_;
+    }
+    names_source_ = paths[0];
+    for (const std::string& path : paths) {
+      std::vector<std::string> names;
+      if (!(Extension(path) == ".mapping"
+                ? ReadRowMapping(path, &names, error_)
+                : ReadDofNames(path, &names, error_))) {
+        return false;
+      }
+      if (names_.empty()) names_ = names;
+      if (names != names_) {
+        return Fail(path, "the DOFs are other ones than those of " +
+                              names_source_ + ", expected files of one job");
+      }
+    }
+    return true;
   }
 
   SparseMatrix& Target(int role) {
@@ -405,7 +420,7 @@ class ModelReader {
   const bool are_names_listed_;
   const bool has_set_;
   std::string names_source_;
-  std::string default_names_path_;
+  std::vector<std::string> default_names_paths_;
   FiniteElementModel model_;
 };
 

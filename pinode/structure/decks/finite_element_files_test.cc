@@ -186,6 +186,25 @@ INSTANTIATE_TEST_SUITE_P(All, SampleModelTest,
                          ::testing::ValuesIn(SampleModels()),
                          [](const auto& test) { return test.param.name; });
 
+// Rows of K must not get names from a mapping that another job has written.
+TEST_F(FiniteElementFilesTest, MappingsBesideTheMatricesAgree) {
+  TemporaryFolder folder;
+  for (const char* name : {"K.matrix", "M.matrix", "K.mapping"}) {
+    folder.Write(name,
+                 FileContent(Sample("harwell_boeing/" + std::string(name))));
+  }
+  const FiniteElementFiles files =
+      Files({folder.Path("M.matrix"), ""}, {folder.Path("K.matrix"), ""});
+  const std::string mapping = FileContent(Sample("harwell_boeing/K.mapping"));
+  folder.Write("M.mapping", mapping);
+  EXPECT_THAT(ReadOrFail(files).dof_names,
+              ElementsAre("1.1", "2.1", "2.6", "3.1"));
+  std::string other = mapping;
+  other.replace(other.find("ROTZ"), 4, "ROTY");
+  folder.Write("M.mapping", other);
+  EXPECT_THAT(ErrorOf(files), HasSubstr("expected files of one job"));
+}
+
 // Explicit zeros of a file are part of its sparsity.
 TEST(WriteSparseMatrixMarket, KeepsStatedZeros) {
   TemporaryFolder folder;
