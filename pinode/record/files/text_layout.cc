@@ -342,7 +342,10 @@ class LayoutFinder {
     layout_->units_line = header_.has_units ? lines_[header_.units].number : 0;
     layout_->num_cells = run_.kinds.size();
     if (format_.decimal == 0) {
-      layout_->doubtful_number = DoubtfulThousands(lines_, run_);
+      const DoubtfulNumber doubtful = DoubtfulThousands(
+          text_.substr(layout_->first_row), layout_->first_row_line, run_);
+      layout_->doubtful_number = doubtful.text;
+      layout_->doubtful_line = doubtful.line;
     }
     std::vector<std::string> names = header_.cells;
     names.resize(run_.kinds.size());
@@ -444,10 +447,8 @@ bool FindTextLayout(std::string_view text, const std::string& path,
 
 bool TextLayout::IsClear(const std::string& path, std::string* error) const {
   if (doubtful_number.empty()) return true;
-  *error = path + ":" + std::to_string(first_row_line) + ": " +
-           Quote(doubtful_number) +
-           " may have a decimal point or a separator of thousands; set "
-           "`decimal` to \".\" or \",\"";
+  *error = path + ":" + std::to_string(doubtful_line) + ": " +
+           WhyDoubtful(doubtful_number, '.');
   return false;
 }
 

@@ -45,8 +45,9 @@ struct TextLayout {
   // Names of columns whose unit in the name is not that of the row of units.
   // Both may be wrong, so these columns have none.
   std::vector<std::string> doubtful_units;
-  // Number whose point may be between thousands; empty: there is none.
+  // Number whose point may be between thousands, and its line; empty: none.
   std::string doubtful_number;
+  int64_t doubtful_line = 0;
   // Cells of a row. Those beyond the columns are empty.
   size_t num_cells = 0;
   // True if the file is what ParseCsvTable reads: a header line of unique

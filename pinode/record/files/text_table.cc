@@ -260,7 +260,7 @@ class TextTableReader {
   bool ReadPlainRow(const NumberRow& plain, std::string_view line,
                     Eigen::Index row) {
     if (layout_.is_decimal_open || places_.empty() ||
-        (layout_.decimal == ',' && thousands_ != Thousands::kNo) ||
+        (layout_.decimal == ',' && !commas_.is_decided()) ||
         !plain.Parse(line, table_.values.data() + row, table_.values.rows())) {
       return false;
     }
@@ -337,7 +337,7 @@ class TextTableReader {
              JoinThousands(cell, layout_.decimal, true, &joined) &&
              ParseDouble(joined, value);
     }
-    if (layout_.decimal == ',') WatchThousands(cell);
+    if (layout_.decimal == ',') commas_.Add(cell);
     if (layout_.is_decimal_open && cell.find('.') != std::string_view::npos) {
       layout_.is_decimal_open = false;
     }
@@ -349,27 +349,6 @@ class TextTableReader {
       *value = static_cast<double>(whole - first_ticks_);
     }
     return true;
-  }
-
-  // A comma before three digits may part thousands. Notes whether a number
-  // tells.
-  void WatchThousands(std::string_view cell) {
-    if (thousands_ == Thousands::kNo) return;
-    const size_t comma = cell.find(',');
-    if (comma == std::string_view::npos) {
-      // 1234 has no comma where one would be.
-      if (cell.size() > 4) thousands_ = Thousands::kNo;
-      return;
-    }
-    std::string_view before = cell.substr(0, comma);
-    while (!before.empty() && (before.front() == '-' || before.front() == '+' ||
-                               before.front() == ' ')) {
-      before.remove_prefix(1);
-    }
-    const bool may_be = cell.size() - comma - 1 == 3 && !before.empty() &&
-                        before.size() <= 3 && before.front() != '0';
-    thousands_ = may_be ? Thousands::kMayBe : Thousands::kNo;
-    thousand_ = may_be ? std::string(cell) : std::string();
   }
 
   bool RefuseCell(int64_t line_number, int place, std::string_view cell) {
@@ -419,11 +398,8 @@ class TextTableReader {
                         "': the number is not finite");
       }
     }
-    if (thousands_ == Thousands::kMayBe && format_.decimal == 0) {
-      return Fail(layout_.first_row_line,
-                  Quote(thousand_) +
-                      " may have a decimal comma or a separator of thousands; "
-                      "set `decimal` to \",\" or \".\"");
+    if (!commas_.doubtful().empty() && format_.decimal == 0) {
+      return Fail(layout_.first_row_line, WhyDoubtful(commas_.doubtful(), ','));
     }
     return true;
   }
@@ -501,8 +477,6 @@ class TextTableReader {
     return true;
   }
 
-  enum class Thousands { kUnknown, kMayBe, kNo };
-
   std::string text_;
   const std::string& path_;
   const std::vector<std::string>& wanted_;
@@ -518,8 +492,7 @@ class TextTableReader {
   TimeParts parts_;
   std::vector<ClockCell> clock_;
   int64_t first_ticks_ = 0;
-  Thousands thousands_ = Thousands::kUnknown;
-  std::string thousand_;
+  CommaWatch commas_;
   bool reread_ = false;
   int64_t blank_line_ = 0;
   std::vector<std::string_view> cells_;

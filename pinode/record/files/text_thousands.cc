@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "pinode/base/file_text.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/strings.h"
 
 namespace pinode {
 namespace {
@@ -17,13 +19,13 @@ size_t NumDigits(std::string_view text) {
   return std::min(text.find_first_not_of("0123456789"), text.size());
 }
 
-bool BeginsWith(std::string_view text, std::string_view beginning) {
+bool HasAtBegin(std::string_view text, std::string_view beginning) {
   return text.substr(0, beginning.size()) == beginning;
 }
 
 // Removes a sign from the beginning of a number and returns it.
 std::string TakeSign(std::string_view* number) {
-  if (BeginsWith(*number, kMinusSign)) {
+  if (HasAtBegin(*number, kMinusSign)) {
     number->remove_prefix(kMinusSign.size());
     return "-";
   }
@@ -40,24 +42,51 @@ std::string TakeSign(std::string_view* number) {
 std::string_view SeparatorAt(std::string_view text, char decimal,
                              bool* is_sure) {
   for (const std::string_view separator : kSureSeparators) {
-    if (!BeginsWith(text, separator)) continue;
+    if (!HasAtBegin(text, separator)) continue;
     *is_sure = true;
     return separator;
   }
   for (const std::string_view separator : kOtherSeparators) {
-    if (separator[0] != decimal && BeginsWith(text, separator)) {
+    if (separator[0] != decimal && HasAtBegin(text, separator)) {
       return separator;
     }
   }
   return {};
 }
 
+// Column of a run with decimal points.
+struct PointColumn {
+  bool has_whole = false;
+  bool has_long = false;
+  DoubtfulNumber parted;
+
+  // Adds a cell. Returns false if it shows that points are decimal.
+  bool Add(std::string_view cell, int64_t line) {
+    std::string_view number = cell;
+    TakeSign(&number);
+    if (number.empty()) return true;
+    const size_t digits = NumDigits(number);
+    if (digits == number.size()) {
+      has_long = has_long || digits > 3;
+      has_whole = has_whole || number != "0";
+      return true;
+    }
+    if (number[digits] != '.') return true;
+    const bool may_be_parted = digits > 0 && digits <= 3 && number[0] != '0' &&
+                               NumDigits(number.substr(digits + 1)) == 3 &&
+                               digits + 4 == number.size();
+    if (!may_be_parted) return false;
+    if (parted.text.empty()) parted = {std::string(cell), line};
+    return true;
+  }
+};
+
 }  // namespace
 
 bool JoinThousands(std::string_view cell, char decimal, bool is_sure,
                    std::string* joined) {
   CHECK(joined != nullptr);
-  const bool has_minus_sign = BeginsWith(cell, kMinusSign);
+  const bool has_minus_sign = HasAtBegin(cell, kMinusSign);
   *joined = TakeSign(&cell);
   const size_t first = NumDigits(cell);
   if (first == 0) return false;
@@ -67,7 +96,7 @@ bool JoinThousands(std::string_view cell, char decimal, bool is_sure,
   int groups = 0;
   const std::string_view separator =
       may_be_parted ? SeparatorAt(cell, decimal, &is_sure) : std::string_view();
-  while (!separator.empty() && BeginsWith(cell, separator) &&
+  while (!separator.empty() && HasAtBegin(cell, separator) &&
          NumDigits(cell.substr(separator.size())) == 3) {
     joined->append(cell.substr(separator.size(), 3));
     cell.remove_prefix(separator.size() + 3);
@@ -108,47 +137,63 @@ bool MayHaveThousands(std::string_view rows) {
   return false;
 }
 
-std::string DoubtfulThousands(const std::vector<TextLine>& lines,
-                              const RowRun& run) {
-  struct Column {
-    bool has_whole = false;
-    bool has_long = false;
-    std::string parted;
-  };
-  if (run.decimal != '.') return "";
-  std::vector<Column> columns(run.kinds.size());
+DoubtfulNumber DoubtfulThousands(std::string_view rows, int64_t first_line,
+                                 const RowRun& run) {
+  if (run.decimal != '.' || rows.find('.') == std::string_view::npos) return {};
+  std::vector<PointColumn> columns(run.kinds.size());
   std::vector<std::string_view> cells;
   std::vector<std::string> storage;
-  for (size_t i = run.first; i < lines.size(); ++i) {
-    if (IsNoRow(lines[i].text) ||
-        !SplitCells(lines[i].text, run.delimiter, &cells, &storage)) {
+  int64_t line_number = first_line - 1;
+  for (size_t at = 0; at < rows.size();) {
+    const size_t end = std::min(rows.find('\n', at), rows.size());
+    const std::string_view line = rows.substr(at, end - at);
+    at = end + 1;
+    ++line_number;
+    if (IsNoRow(line) || !SplitCells(line, run.delimiter, &cells, &storage)) {
       continue;
     }
     for (size_t c = 0; c < std::min(cells.size(), columns.size()); ++c) {
-      std::string_view number = cells[c];
-      TakeSign(&number);
-      if (run.kinds[c] != CellKind::kNumber || number.empty()) continue;
-      const size_t digits = NumDigits(number);
-      if (digits == number.size()) {
-        columns[c].has_long = columns[c].has_long || digits > 3;
-        columns[c].has_whole = columns[c].has_whole || number != "0";
-        continue;
-      }
-      if (number[digits] != '.') continue;
-      const bool may_be_parted = digits > 0 && digits <= 3 &&
-                                 number[0] != '0' &&
-                                 NumDigits(number.substr(digits + 1)) == 3 &&
-                                 digits + 4 == number.size();
-      if (!may_be_parted) return "";
-      columns[c].parted = std::string(cells[c]);
+      const bool may_be_number = run.kinds[c] == CellKind::kNumber ||
+                                 run.kinds[c] == CellKind::kMissing;
+      if (may_be_number && !columns[c].Add(cells[c], line_number)) return {};
     }
   }
-  for (const Column& column : columns) {
-    if (column.has_whole && !column.has_long && !column.parted.empty()) {
+  for (const PointColumn& column : columns) {
+    if (column.has_whole && !column.has_long && !column.parted.text.empty()) {
       return column.parted;
     }
   }
-  return "";
+  return {};
+}
+
+void CommaWatch::Add(std::string_view number) {
+  if (is_decided_) return;
+  TakeSign(&number);
+  number = StripBlanks(number);
+  const size_t comma = number.find(',');
+  if (comma == std::string_view::npos) {
+    // 1234 has no comma where one would be.
+    is_decided_ = NumDigits(number) > 3;
+  } else {
+    const bool may_be_parted = number.size() - comma - 1 == 3 && comma > 0 &&
+                               comma <= 3 && number.front() != '0';
+    is_decided_ = !may_be_parted;
+    if (may_be_parted) doubtful_ = std::string(number);
+  }
+  if (is_decided_) doubtful_.clear();
+}
+
+std::string WhyDoubtful(std::string_view number, char decimal) {
+  TakeSign(&number);
+  std::string whole(number);
+  whole.erase(std::remove(whole.begin(), whole.end(), decimal), whole.end());
+  const std::string first(1, decimal);
+  const std::string other = decimal == '.' ? "," : ".";
+  return Quote(number) + " may have a decimal " +
+         (decimal == '.' ? "point" : "comma") +
+         " or a separator of thousands; set `decimal` to \"" + first +
+         "\" or \"" + other + "\", or write " + std::string(number) + "0 or " +
+         whole + " in the file";
 }
 
 }  // namespace pinode

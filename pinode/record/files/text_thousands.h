@@ -3,9 +3,9 @@
 #ifndef PINODE_RECORD_FILES_TEXT_THOUSANDS_H_
 #define PINODE_RECORD_FILES_TEXT_THOUSANDS_H_
 
+#include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "pinode/record/files/text_rows.h"
 
@@ -23,12 +23,40 @@ namespace pinode {
 // True if some cells of the rows may need JoinThousands().
 bool MayHaveThousands(std::string_view rows);
 
-// Returns a number of a run with decimal points that may have its point between
-// thousands, or an empty text. In such a column all points stand before the
-// last three digits, and other cells are short whole numbers: 12 and 1.250.
-// Any number of another form in the rows tells that points are decimal.
-std::string DoubtfulThousands(const std::vector<TextLine>& lines,
-                              const RowRun& run);
+// Number that can be read in two ways; an empty text: none.
+struct DoubtfulNumber {
+  std::string text;
+  int64_t line = 0;
+};
+
+// Finds a number of a run with decimal points that may have its point between
+// thousands. In such a column all points stand before the last three digits,
+// and other cells are short whole numbers: 12 and 1.250. Any number of another
+// form tells that points are decimal. All rows are searched for one, since the
+// first number above 999 may stand far below. `rows` begins with the run, in
+// line `first_line`.
+DoubtfulNumber DoubtfulThousands(std::string_view rows, int64_t first_line,
+                                 const RowRun& run);
+
+// Watches numbers with decimal commas: a comma before three digits may part
+// thousands, until a number of another form comes.
+class CommaWatch {
+ public:
+  void Add(std::string_view number);
+  // True once commas are known to be decimal.
+  bool is_decided() const { return is_decided_; }
+  // Number whose comma may part thousands; empty: none.
+  const std::string& doubtful() const { return doubtful_; }
+
+ private:
+  bool is_decided_ = false;
+  std::string doubtful_;
+};
+
+// Returns the sentence that refuses a number whose `decimal` may part
+// thousands. Its advice holds where no format can be given, too: one number
+// that is written in another way decides.
+std::string WhyDoubtful(std::string_view number, char decimal);
 
 }  // namespace pinode
 

@@ -50,8 +50,8 @@ TEST(JoinThousandsTest, OtherTexts) {
   EXPECT_FALSE(JoinThousands("0.340", ',', true, &joined));
 }
 
-bool Read(const std::string& text, const TextFormat& format, Table* table,
-          std::string* error) {
+bool ReadThousands(const std::string& text, const TextFormat& format,
+                   Table* table, std::string* error) {
   return ParseTextTable(text, "r.csv", {}, format, table, error);
 }
 
@@ -64,7 +64,7 @@ TEST(TextThousandsTest, FilesOfSeveralCountries) {
         "t,a\n0.5,\"950.25\"\n0.6,\"-1,340.50\"\n0.7,\"12,345,678.00\"\n"}) {
     Table table;
     std::string error;
-    ASSERT_TRUE(Read(text, {}, &table, &error)) << error;
+    ASSERT_TRUE(ReadThousands(text, {}, &table, &error)) << error;
     ASSERT_EQ(table.num_rows(), 3);
     EXPECT_EQ(table.values(0, 1), 950.25) << text;
     EXPECT_EQ(table.values(1, 1), -1340.5) << text;
@@ -77,14 +77,23 @@ TEST(TextThousandsTest, PointsThatMayPartThousandsAreRefused) {
   const std::string text = "Zeit;Kraft [N]\n1;850\n2;1.250\n3;-3.400\n";
   Table table;
   std::string error;
-  EXPECT_FALSE(Read(text, {}, &table, &error));
-  EXPECT_THAT(error, HasSubstr("set `decimal` to \".\" or \",\""));
+  EXPECT_FALSE(ReadThousands(text, {}, &table, &error));
+  EXPECT_EQ(error,
+            "r.csv:3: '1.250' may have a decimal point or a separator of "
+            "thousands; set `decimal` to \".\" or \",\", or write 1.2500 or "
+            "1250 in the file");
+  // One number written in another way decides, as the message says.
+  for (const char* other : {"1.2500", "1250"}) {
+    std::string mended = text;
+    mended.replace(mended.find("1.250"), 5, other);
+    EXPECT_TRUE(ReadThousands(mended, {}, &table, &error)) << error;
+  }
   TextFormat format;
   format.decimal = ',';
-  ASSERT_TRUE(Read(text, format, &table, &error)) << error;
+  ASSERT_TRUE(ReadThousands(text, format, &table, &error)) << error;
   EXPECT_EQ(table.values(2, 1), -3400.0);
   format.decimal = '.';
-  ASSERT_TRUE(Read(text, format, &table, &error)) << error;
+  ASSERT_TRUE(ReadThousands(text, format, &table, &error)) << error;
   EXPECT_EQ(table.values(2, 1), -3.4);
 }
 
@@ -97,8 +106,48 @@ TEST(TextThousandsTest, PointsThatAreDecimal) {
         "t;a\n1;8500\n2;1.250\n3;3.400\n"}) {
     Table table;
     std::string error;
-    ASSERT_TRUE(Read(text, {}, &table, &error)) << error;
+    ASSERT_TRUE(ReadThousands(text, {}, &table, &error)) << error;
     EXPECT_EQ(table.values(1, 1), 1.25) << text;
+  }
+}
+
+// The first number above 999 may stand far below the rows that tell the layout.
+TEST(TextThousandsTest, PointsFarBelowThatMayPartThousands) {
+  std::string text = "Zeit;Kraft [N]\n";
+  for (int i = 0; i < 2499; ++i) {
+    text += std::to_string(i) + ";" + std::to_string(850 + i % 7) + "\n";
+  }
+  Table table;
+  std::string error;
+  EXPECT_FALSE(
+      ReadThousands(text + "2499;1.250\n2500;860\n", {}, &table, &error));
+  EXPECT_THAT(error, HasSubstr("r.csv:2501: '1.250' may have a decimal point"));
+  ASSERT_TRUE(
+      ReadThousands(text + "2499;1.250\n2500;86.5\n", {}, &table, &error))
+      << error;
+  EXPECT_EQ(table.values(2499, 1), 1.25);
+}
+
+// A comma before three digits stays doubtful behind a minus sign of
+// typographers, too.
+TEST(TextThousandsTest, CommasThatMayPartThousandsAreRefused) {
+  for (const char* last : {"1,250", "-1,250", "- 1,250", "\u22121,250"}) {
+    Table table;
+    std::string error;
+    EXPECT_FALSE(
+        ReadThousands("a;b\n1,714;2,250\n1,715;" + std::string(last) + "\n", {},
+                      &table, &error))
+        << last;
+    EXPECT_THAT(error, HasSubstr("1,250' may have a decimal comma"));
+  }
+  for (const char* last :
+       {"1,25", "-0,250", "\u22120,250", "1234", "\u22121234,250"}) {
+    Table table;
+    std::string error;
+    EXPECT_TRUE(
+        ReadThousands("a;b\n1,714;2,250\n1,715;" + std::string(last) + "\n", {},
+                      &table, &error))
+        << last << ": " << error;
   }
 }
 
