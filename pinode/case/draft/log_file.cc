@@ -9,13 +9,11 @@
 #include "pinode/record/files/array_table.h"
 #include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
+#include "pinode/record/files/text_time.h"
 #include "pinode/record/time_column.h"
 
 namespace pinode {
 namespace {
-
-// A step from which on the numbers of time are hardly seconds.
-constexpr double kLongestStep = 0.5;
 
 bool Contains(const std::vector<std::string>& names, const TextColumn& column) {
   return std::find(names.begin(), names.end(), column.name) != names.end() ||
@@ -67,7 +65,7 @@ void AskForUnit(const std::string& path, const std::vector<std::string>& wanted,
   std::string unused;
   if (!ReadTextTable(path, wanted, format, &table, &unused) ||
       !FindTimeGrid(table, format.time_column, {}, &grid, &unused) ||
-      grid.step < kLongestStep) {
+      grid.step <= kLongestStepOfSeconds) {
     return;
   }
   AskForUnit(path, format.time_column, grid.step, question);
@@ -88,7 +86,7 @@ bool FindStep(const Table& table, const LogOptions& options, LogFile* log,
     return false;
   }
   if (!FindTimeGrid(table, log->time_column, time, grid, error)) return false;
-  if (log->is_time_unit_assumed && grid->step >= kLongestStep) {
+  if (log->is_time_unit_assumed && grid->step > kLongestStepOfSeconds) {
     AskForUnit(log->path, log->time_column, grid->step, question);
     return false;
   }

@@ -65,6 +65,26 @@ TEST(LogFileTest, AsksForTheTimeOfArrays) {
   EXPECT_EQ(question.flag, "time");
 }
 
+// The reader takes steps of up to 0.5 for seconds, so they need no question.
+TEST(LogFileTest, AsksForTheUnitOfLargeStepsAlone) {
+  const TemporaryFolder folder;
+  for (const double step : {0.5, 0.625}) {
+    std::string text = "t;acc_1 [g]\n";
+    for (int i = 0; i < 100; ++i) {
+      text +=
+          FormatNumber(step * i) + ";" + FormatNumber(std::sin(0.7 * i)) + "\n";
+    }
+    LogFile log;
+    DraftQuestion question;
+    std::string error;
+    EXPECT_EQ(
+        ReadLogFile(folder.Write("log.csv", text), {}, &log, &question, &error),
+        step == 0.5)
+        << error;
+    EXPECT_EQ(question.flag, step == 0.5 ? "" : "time_unit");
+  }
+}
+
 // Two loggers side by side: a floor's record must not get the other's times.
 TEST(LogFileTest, TwoClocksAreNotOne) {
   const TemporaryFolder folder;

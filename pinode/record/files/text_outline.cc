@@ -25,29 +25,6 @@ constexpr size_t kOutlineBytes = size_t{1} << 19;
 // Counts of clocks since 1970 are larger.
 constexpr double kLeastTicks = 9e11;
 
-// True for names that people and loggers give to the time.
-bool IsTimeName(const std::string& name) {
-  std::string lower = LowerCase(name);
-  for (const char* drop : {"_s", "_ms", "_us", "_sec"}) {
-    const std::string end = drop;
-    if (lower.size() > end.size() &&
-        lower.compare(lower.size() - end.size(), end.size(), end) == 0) {
-      lower.resize(lower.size() - end.size());
-    }
-  }
-  ReplaceAll("_", " ", &lower);
-  for (const char* known :
-       {"t",          "time",         "times",     "zeit",          "timestamp",
-        "time stamp", "zeitstempel",  "datetime",  "date time",     "date/time",
-        "datum/zeit", "uhrzeit",      "temps",     "tiempo",        "tempo",
-        "elapsed",    "elapsed time", "rel. time", "relative time", "x value",
-        "ms",         "us",           "msec",      "usec",          "sec",
-        "seconds",    "milliseconds"}) {
-    if (lower == known) return true;
-  }
-  return false;
-}
-
 // Numbers of the first rows, NaN for other cells.
 Matrix FirstRows(const std::string& text, const TextLayout& layout) {
   constexpr Eigen::Index kMostRows = 200;
@@ -111,7 +88,7 @@ std::string BaseOfTime(const TextColumn& column) {
   if (end == std::string::npos) return "";
   plain.resize(end + 1);
   plain.resize(plain.find_last_not_of(" _-.#") + 1);
-  return IsTimeName(plain) ? plain : "";
+  return IsNameOfTime(plain) ? plain : "";
 }
 
 // True if two columns have other cells in one of the first rows.
@@ -225,7 +202,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       // Row numbers, and an unknown first column that rises evenly.
       if (whole && step == 1.0) {
         is_channel = false;
-        const bool is_time = are_ticks || IsTimeName(column.short_name);
+        const bool is_time = are_ticks || IsNameOfTime(column.short_name);
         if (place == first && !is_time) ++first;
       }
       if (place == first || are_ticks) {
@@ -238,7 +215,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
         column.kind == CellKind::kTimeOfDay) {
       if (clock < 0) clock = place;
     }
-    if (is_number && IsTimeName(column.short_name)) {
+    if (is_number && IsNameOfTime(column.short_name)) {
       is_channel = false;
       if (named < 0) named = place;
     }

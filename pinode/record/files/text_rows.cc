@@ -24,7 +24,8 @@ bool IsBrokenNumber(std::string_view cell, char delimiter) {
   }
   // Apostrophes and narrow blanks stand between thousands.
   return cell.find_first_not_of(
-             "0123456789+-.,;:|/ \t\"'eEdDTZAPM\u2212\u2019\u00A0\u202F") ==
+             "0123456789+-.,;:|/ "
+             "\t\"'eEdDTZAPM\u2212\u2019\u00A0\u2009\u202F") ==
          std::string_view::npos;
 }
 

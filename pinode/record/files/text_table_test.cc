@@ -382,7 +382,8 @@ TEST(TextTableTest, FirstLineForSpreadsheets) {
 
 // Rows with numbers that cannot be read are no names for the rows below them.
 TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
-  for (const char* cell : {"8'13,621", "--0,621", "8\u202F13,621"}) {
+  for (const char* cell :
+       {"8'13,621", "--0,621", "8\u202F13,621", "8\u200913,621"}) {
     std::string text = "Sensor\n";
     for (int i = 0; i < 20; ++i) text += std::string(cell) + "\n";
     EXPECT_THAT(ErrorOf(text), HasSubstr("no rows of numbers were found"));
@@ -399,13 +400,29 @@ TEST(TextTableTest, RowsOfUnreadableNumbersAreNoNames) {
 TEST(TextTableTest, LargeStepsNeedAUnit) {
   const std::string rows = ",a\n0,1\n10,2\n20,3\n30,1\n";
   for (const char* name : {"Time", "t", "Zeit"}) {
-    EXPECT_THAT(ErrorOf(name + rows, WithTime(name)),
-                HasSubstr("`time_unit` to \"s\" or \"ms\""));
+    EXPECT_THAT(
+        ErrorOf(name + rows, WithTime(name)),
+        HasSubstr("Set `time_unit` to \"s\" or \"ms\", or name the "
+                  "column '" +
+                  std::string(name) + " [ms]', or give `sampling_rate_hz`"));
   }
+  EXPECT_EQ(ParseText("t,a\n0,1\n0.5,2\n1,3\n", WithTime("t")).time_unit, "s");
   TextFormat format = WithTime("t");
   format.time_unit = "s";
   EXPECT_EQ(ParseText("t" + rows, format).values(3, 0), 30.0);
   EXPECT_EQ(ParseText("t [s]" + rows, WithTime("t [s]")).time_unit, "s");
+}
+
+// Counts of microseconds may be as large, but not with such steps.
+TEST(TextTableTest, SecondsSince1970NeedNoUnit) {
+  const Table table = ParseText(
+      "t,a\n1709290800,1\n1709290801,2\n1709290802,3\n", WithTime("t"));
+  EXPECT_EQ(table.time_unit, "s");
+  EXPECT_EQ(table.values(2, 0) - table.values(0, 0), 2.0);
+  EXPECT_THAT(table.reading, HasSubstr("'t' read as seconds since 1970"));
+  EXPECT_THAT(
+      ErrorOf("t,a\n1709290000,1\n1709295000,2\n1709300000,3\n", WithTime("t")),
+      HasSubstr("states no unit, and its step of 5000"));
 }
 
 TEST(TextTableTest, MissingValuesOfOldPrograms) {

@@ -34,9 +34,10 @@ constexpr Ticks kTicks[] = {
 // the size of seconds; only their small steps tell.
 constexpr double kDays[][2] = {{36000.0, 60000.0}, {7.2e5, 7.8e5}};
 constexpr double kLargestStepOfDays = 1e-3;
-// Vibration is hardly ever sampled at longer steps, s. A logger of 1000 Hz that
-// counts milliseconds has a step of 1.
-constexpr double kLargestStep = 0.5;
+// Seconds since 1970, between the years 1998 and 2042. With a step of at most a
+// minute they are no counts of microseconds.
+constexpr double kEpochSeconds[] = {9e8, 2.3e9};
+constexpr double kLargestStepOfEpoch = 60.0;
 
 double MedianStep(const Eigen::Ref<const Vector>& times) {
   std::vector<double> steps;
@@ -45,6 +46,12 @@ double MedianStep(const Eigen::Ref<const Vector>& times) {
     if (step > 0.0) steps.push_back(step);
   }
   return steps.empty() ? 0.0 : Median(steps);
+}
+
+// True for whole seconds of clocks, by their size.
+bool AreEpochSeconds(const Eigen::Ref<const Vector>& times) {
+  return times[0] >= kEpochSeconds[0] && times[0] <= kEpochSeconds[1] &&
+         MedianStep(times) <= kLargestStepOfEpoch;
 }
 
 // Returns the seconds of a unit, or 0 if it is none of a time.
@@ -149,6 +156,28 @@ bool ParseRowTime(const std::vector<std::string_view>& cells,
   return true;
 }
 
+bool IsNameOfTime(const std::string& name) {
+  std::string lower = LowerCase(name);
+  for (const char* drop : {"_s", "_ms", "_us", "_sec"}) {
+    const std::string end = drop;
+    if (lower.size() > end.size() &&
+        lower.compare(lower.size() - end.size(), end.size(), end) == 0) {
+      lower.resize(lower.size() - end.size());
+    }
+  }
+  ReplaceAll("_", " ", &lower);
+  for (const char* known :
+       {"t",          "time",         "times",     "zeit",          "timestamp",
+        "time stamp", "zeitstempel",  "datetime",  "date time",     "date/time",
+        "datum/zeit", "uhrzeit",      "temps",     "tiempo",        "tempo",
+        "elapsed",    "elapsed time", "rel. time", "relative time", "x value",
+        "ms",         "us",           "msec",      "usec",          "sec",
+        "seconds",    "milliseconds"}) {
+    if (lower == known) return true;
+  }
+  return false;
+}
+
 std::string UnitOfTimeName(const std::string& name) {
   std::string unit = CanonicalUnit(name);
   const size_t at = name.rfind('_');
@@ -242,17 +271,22 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
       }
       *error = "column '" + name +
                "' may be days (as in spreadsheets) or seconds; set `time_unit` "
-               "to \"day\" or \"s\"";
+               "to \"day\" or \"s\", or name the column '" +
+               name + " [s]', or give `sampling_rate_hz`";
       return false;
     }
   }
-  if (unit.empty() && times.size() > 1 && MedianStep(times) > kLargestStep) {
-    *error = "column '" + name + "' states no unit, and its step of " +
-             FormatNumber(MedianStep(times), 4) +
-             " may be seconds or milliseconds. Set `time_unit` to \"s\" or "
-             "\"ms\", or name the column '" +
-             name + " [ms]'";
-    return false;
+  if (unit.empty() && times.size() > 1 &&
+      MedianStep(times) > kLongestStepOfSeconds) {
+    if (!AreEpochSeconds(times)) {
+      *error = "column '" + name + "' states no unit, and its step of " +
+               FormatNumber(MedianStep(times), 4) +
+               " may be seconds or milliseconds. Set `time_unit` to \"s\" or "
+               "\"ms\", or name the column '" +
+               name + " [ms]', or give `sampling_rate_hz`";
+      return false;
+    }
+    say("time '" + name + "' read as seconds since 1970");
   }
   const bool is_stated = !unit.empty();
   if (!is_stated) unit = "s";

@@ -16,6 +16,10 @@
 
 namespace pinode {
 
+// Vibration is hardly ever sampled at longer steps, s. A logger of 1000 Hz that
+// counts milliseconds has a step of 1.
+constexpr double kLongestStepOfSeconds = 0.5;
+
 // Columns that make up a time: a clock time in one column, or a date, a time of
 // day and a fraction of a second side by side.
 struct TimeParts {
@@ -41,6 +45,9 @@ TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
                                 const TimeParts& parts,
                                 const TextFormat& format, char decimal,
                                 ClockCell* cell);
+
+// True for names that people and loggers give to the time.
+bool IsNameOfTime(const std::string& name);
 
 // Returns the unit that a name alone states: "ms", "time_us". Empty if none.
 std::string UnitOfTimeName(const std::string& name);
