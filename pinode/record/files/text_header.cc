@@ -6,6 +6,7 @@
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/record/files/text_time.h"
 #include "pinode/record/number_rows.h"
 
 namespace pinode {
@@ -39,16 +40,51 @@ size_t NumUnits(const std::vector<std::string>& names) {
 }
 
 // True for the rows of types that stand between names and rows, such as
-// "float;float;float", or "","","Smp","Avg" of Campbell's loggers.
+// "float;float;float".
 bool AreTypes(const std::vector<std::string>& cells) {
   return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
     const std::string lower = LowerCase(cell);
-    for (const char* type :
-         {"", "float", "double", "single", "real", "int", "integer", "float32",
-          "float64", "smp", "avg", "max", "min", "std", "tot"}) {
+    for (const char* type : {"", "float", "double", "single", "real", "int",
+                             "integer", "float32", "float64"}) {
       if (lower == type) return true;
     }
     return false;
+  });
+}
+
+// True for the last header line of Campbell's loggers: "","","Smp","Avg".
+// In other files these words may be names.
+bool AreAverages(const std::vector<std::string>& cells) {
+  return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+    const std::string lower = LowerCase(cell);
+    for (const char* word : {"", "smp", "avg", "max", "min", "std", "tot"}) {
+      if (lower == word) return true;
+    }
+    return false;
+  });
+}
+
+// Splits the units off the names of a header line.
+std::vector<std::string> PlainNames(const std::vector<std::string>& names) {
+  std::vector<std::string> plain(names.size());
+  std::string unit;
+  for (size_t i = 0; i < names.size(); ++i) {
+    SplitUnitOfName(names[i], &plain[i], &unit);
+  }
+  return plain;
+}
+
+bool HasNameOfTime(const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), IsNameOfTime);
+}
+
+// True for names of ranges, such as "2 [g]" and "\u00B12 [g]".
+bool AreRanges(const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    double number = 0.0;
+    return ParseCell(name, '.', &number) || ParseCell(name, ',', &number) ||
+           name.rfind("\u00B1", 0) == 0 || name.rfind("+-", 0) == 0 ||
+           name.rfind("+/-", 0) == 0;
   });
 }
 
@@ -108,7 +144,11 @@ class HeaderFinder {
       }
       // The first line of a file with a text in it is always one of names.
       const bool are_names = AreNames(cells) || (IsFirst(i) && HasText(cells));
-      if (are_names && AreTypes(cells) && HasNamesAbove(run, i)) continue;
+      if (are_names &&
+          (AreTypes(cells) || (AreAverages(cells) && IsOfCampbell(run, i))) &&
+          HasNamesAbove(run, i)) {
+        continue;
+      }
       if (!are_names && MayBeBrokenRow(run, cells)) {
         // The rows begin earlier; reading them names the cell.
         first_row = i;
@@ -246,6 +286,36 @@ class HeaderFinder {
     return false;
   }
 
+  // True for a line below a row of units, and in a file that begins with TOA5.
+  bool IsOfCampbell(const RowRun& run, size_t line) {
+    const std::string_view first = lines_[0].text;
+    if (first.substr(0, 6) == "\"TOA5\"" || first.substr(0, 5) == "TOA5,") {
+      return true;
+    }
+    if (line == 0) return false;
+    std::vector<std::string> above =
+        Cells(lines_[line - 1].text, run.delimiter);
+    return Fits(run, &above) && IsUnitRow(above);
+  }
+
+  // True if a line of texts with units is that of the names, and not the line
+  // `near` below it. The nearer line then has empty or equal cells, such as
+  // those of slots, or only the higher one names the time.
+  static bool AreBetterNames(const std::vector<std::string>& high,
+                             const std::vector<std::string>& near) {
+    const std::vector<std::string> names = PlainNames(high);
+    if (AreRanges(names) || HasNameOfTime(near) > HasNameOfTime(names)) {
+      return false;
+    }
+    for (size_t i = 0; i < near.size(); ++i) {
+      if (near[i].empty() ||
+          std::count(near.begin(), near.end(), near[i]) > 1) {
+        return true;
+      }
+    }
+    return HasNameOfTime(names) && !HasNameOfTime(near);
+  }
+
   // Takes the names from a higher line if they state units there. A line of
   // slots or modules may stand between it and the rows.
   void TakeNamesWithUnits(const RowRun& run, size_t line, TextHeader* header) {
@@ -256,7 +326,8 @@ class HeaderFinder {
       // "Range [g]" in each column is no name.
       const bool is_title =
           std::adjacent_find(cells.begin(), cells.end()) != cells.end();
-      if (is_title || !AreNames(cells) || 2 * NumUnits(cells) < cells.size()) {
+      if (is_title || !AreNames(cells) || 2 * NumUnits(cells) < cells.size() ||
+          !AreBetterNames(cells, header->cells)) {
         continue;
       }
       header->names = i;

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-Table Parse(const std::string& text) {
+Table ParseWithHeader(const std::string& text) {
   Table table;
   std::string error;
   EXPECT_TRUE(ParseTextTable(text, "r.csv", {}, {}, &table, &error)) << error;
@@ -29,7 +29,7 @@ TEST(TextHeaderTest, FourLinesOfCampbell) {
             std::to_string(100 + i) + "," + std::to_string(i % 7) +
             ".25,\"NAN\"\n";
   }
-  const Table table = Parse(text);
+  const Table table = ParseWithHeader(text);
   EXPECT_THAT(table.columns, ElementsAre("RECORD", "Acc(1)", "Acc(2)"));
   EXPECT_THAT(table.units, ElementsAre("", "g", "mm"));
   EXPECT_EQ(table.values(1, 1), 1.25);
@@ -37,17 +37,55 @@ TEST(TextHeaderTest, FourLinesOfCampbell) {
 
 // A line of slots below the names does not cost the units.
 TEST(TextHeaderTest, NamesWithUnitsAboveOthers) {
-  const Table table = Parse(
+  const Table table = ParseWithHeader(
       "Halle\nZeit [s];Kraft [kN];Weg [mm]\n;Slot 1;Slot 2\n"
       "0,5;1,5;2,5\n0,6;1,6;2,6\n0,7;1,7;2,7\n");
   EXPECT_THAT(table.columns, ElementsAre("Zeit [s]", "Kraft [kN]", "Weg [mm]"));
   EXPECT_THAT(table.units, ElementsAre("s", "kN", "mm"));
   EXPECT_THAT(
-      Parse("Range [g];Range [g]\nA;B\n0,5;1,5\n0,6;1,6\n0,7;1,7\n").columns,
+      ParseWithHeader("Range [g];Range [g]\nA;B\n0,5;1,5\n0,6;1,6\n0,7;1,7\n")
+          .columns,
       ElementsAre("A", "B"));
   // Names next to the rows stay if no line above them has units.
-  EXPECT_THAT(Parse("a;b;c\nd;e;f\n0,5;1,5;2,5\n0,6;1,6;2,6\n").columns,
-              ElementsAre("d", "e", "f"));
+  EXPECT_THAT(
+      ParseWithHeader("a;b;c\nd;e;f\n0,5;1,5;2,5\n0,6;1,6;2,6\n").columns,
+      ElementsAre("d", "e", "f"));
+}
+
+// Ranges with units above the names are no names.
+TEST(TextHeaderTest, RangesAboveNames) {
+  const std::string rows = "0,5;1,5;2,5\n0,6;1,6;2,6\n0,7;1,7;2,7\n";
+  for (const char* ranges :
+       {"2 [g];5 [g];2 [g]", "\u00B12 [g];\u00B15 [g];\u00B12 [g]",
+        "Range [g];2 [g];5 [g]", "Low [g];High [g];Low [g]"}) {
+    EXPECT_THAT(
+        ParseWithHeader(std::string(ranges) + "\nAcc1;Acc2;Acc3\n" + rows)
+            .columns,
+        ElementsAre("Acc1", "Acc2", "Acc3"))
+        << ranges;
+    EXPECT_THAT(
+        ParseWithHeader(std::string(ranges) + "\nTime;Acc1;Acc2\n" + rows)
+            .columns,
+        ElementsAre("Time", "Acc1", "Acc2"))
+        << ranges;
+  }
+  // Only the higher line names the time.
+  EXPECT_THAT(ParseWithHeader("Zeit [s];Kraft [kN];Weg [mm]\nK1;K2;K3\n" + rows)
+                  .columns,
+              ElementsAre("Zeit [s]", "Kraft [kN]", "Weg [mm]"));
+}
+
+// Words for kinds of averages are names elsewhere.
+TEST(TextHeaderTest, NamesLikeAverages) {
+  const std::string rows = "0,5;1,5;2,5\n0,6;1,6;2,6\n0,7;1,7;2,7\n";
+  EXPECT_THAT(
+      ParseWithHeader("Deck north;Deck south;Pier 3\nMax;Min;Avg\n" + rows)
+          .columns,
+      ElementsAre("Max", "Min", "Avg"));
+  EXPECT_THAT(
+      ParseWithHeader("North;South;Pier 3\nmm;mm;g\nMax;Min;Avg\n" + rows)
+          .columns,
+      ElementsAre("North", "South", "Pier 3"));
 }
 
 }  // namespace
