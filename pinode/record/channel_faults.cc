@@ -97,7 +97,9 @@ std::vector<std::string> FindChannelFaults(
       faults.push_back(
           channel + "has " + std::to_string(outliers.samples.size()) +
           " samples of " + FormatNumber(values[outliers.samples[0]], 6) +
-          ", far from all others: perhaps a code for missing "
+          " (unit and gain applied; the first is sample " +
+          std::to_string(outliers.samples[0] + 1) +
+          "), far from all others: perhaps a code for missing "
           "values. Write nan in their place.");
     }
     for (size_t other = 0; other < c; ++other) {

@@ -224,8 +224,9 @@ TEST(ChannelFaultsTest, CodesForMissingValues) {
       FindChannelFaults({"a", "b"}, samples);
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_EQ(faults[0],
-            "Channel 'a' has 3 samples of -9999, far from all others: perhaps "
-            "a code for missing values. Write nan in their place.");
+            "Channel 'a' has 3 samples of -9999 (unit and gain applied; the "
+            "first is sample 301), far from all others: perhaps a code for "
+            "missing values. Write nan in their place.");
 }
 
 }  // namespace
