@@ -109,6 +109,10 @@ TEST_F(AmbientSectionTest, ChannelsMayHaveAKnownGain) {
   std::string error;
   EXPECT_FALSE(ReadCase(with_gain("V", ""), &c, &error));
   EXPECT_THAT(error, HasSubstr("needs a known sensitivity"));
+  for (const char* gain : {"gain = {}\n", "gain = {free = false}\n"}) {
+    EXPECT_FALSE(ReadCase(with_gain("V", gain), &c, &error)) << gain;
+    EXPECT_THAT(error, HasSubstr("the nominal sensitivity, in volts"));
+  }
   for (const char* gain : {"gain = {free = true}\n",
                            "gain = {initial = 2, prior_sigma = 0.1}\n"}) {
     EXPECT_FALSE(ReadCase(with_gain("m/s^2", gain), &c, &error)) << gain;

@@ -421,6 +421,13 @@ class RecordReader {
                         "an unknown gain cannot be told apart from unmeasured "
                         "loads; expected gain = {initial = ...} alone");
     }
+    // A sensitivity in volts has no default.
+    if (IsVoltage(table) &&
+        !keys.RequireKey("initial",
+                         "the nominal sensitivity, in volts per the model's "
+                         "unit")) {
+      return false;
+    }
     const double gain = keys.Number("initial", 1.0);
     if (!table.errors()->ok()) return false;
     if (gain == 0.0) {
