@@ -291,6 +291,12 @@ bool HasKind(const std::vector<Suspect>& suspects, Suspect::Kind kind) {
       [kind](const Suspect& suspect) { return suspect.kind == kind; });
 }
 
+void SetSamples(const Matrix& samples, IdentificationRecord* record) {
+  const Excitation old = *record->excitation;
+  record->excitation.emplace(old.start_time(), old.step(), samples,
+                             old.interpolation());
+}
+
 // Another start is the same as a late clock or another scale of all sensors.
 TEST(MakeSuspects, FreeVibrationHasNoClockAgainstTheExcitation) {
   using Kind = Suspect::Kind;
@@ -302,9 +308,7 @@ TEST(MakeSuspects, FreeVibrationHasNoClockAgainstTheExcitation) {
   EXPECT_TRUE(HasKind(driven, Kind::kExcitationDelay));
   EXPECT_TRUE(HasKind(driven, Kind::kExcitationScale));
   for (IdentificationRecord& record : problem.records) {
-    const Excitation& old = *record.excitation;
-    record.excitation.emplace(old.start_time(), old.step(), 0.0 * old.samples(),
-                              old.interpolation());
+    SetSamples(Matrix(0.0 * record.excitation->samples()), &record);
     record.start = IdentificationRecord::Start::kFree;
   }
   const std::vector<Suspect> free = MakeSuspects(problem, model);
@@ -316,6 +320,50 @@ TEST(MakeSuspects, FreeVibrationHasNoClockAgainstTheExcitation) {
     record.start = IdentificationRecord::Start::kRest;
   }
   EXPECT_TRUE(HasKind(MakeSuspects(problem, model), Kind::kExcitationDelay));
+  // One that was found from the first samples is like an unknown one.
+  for (IdentificationRecord& record : problem.records) {
+    record.start = IdentificationRecord::Start::kKnown;
+    record.known_start = Vector::Zero(problem.dynamics->num_states());
+  }
+  EXPECT_TRUE(HasKind(MakeSuspects(problem, model), Kind::kExcitationDelay));
+  for (IdentificationRecord& record : problem.records) {
+    record.start_samples = 50;
+  }
+  const std::vector<Suspect> found = MakeSuspects(problem, model);
+  EXPECT_FALSE(HasKind(found, Kind::kExcitationDelay));
+  EXPECT_FALSE(HasKind(found, Kind::kExcitationScale));
+}
+
+// A temperature drives nothing. If it changes, a clock can miss it.
+TEST(MakeSuspects, ACovariateDoesNotDriveFreeVibration) {
+  using Kind = Suspect::Kind;
+  IdentificationProblem problem =
+      MeasuredChain(3, *ChainAt(Vector{{0.1, -0.2, 0}}), 7);
+  std::vector<InputSpec> inputs = problem.dynamics->inputs();
+  inputs.push_back({InputSpec::Kind::kCovariate, 0, "temperature"});
+  auto dynamics =
+      std::make_shared<StructuralDynamics>(problem.dynamics->model(), inputs);
+  for (const GroupTerm& term : problem.dynamics->groups()) {
+    std::string error;
+    ASSERT_TRUE(dynamics->AddGroup(term, &error)) << error;
+  }
+  problem.dynamics = dynamics;
+  IdentificationRecord& record = problem.records[0];
+  record.start = IdentificationRecord::Start::kFree;
+  Matrix samples =
+      Matrix::Zero(dynamics->num_inputs(), record.excitation->num_samples());
+  samples.bottomRows(1).setConstant(20.0);
+  SetSamples(samples, &record);
+  IdentifiedModel model;
+  model.parameters = ParameterLayout(problem).InitialValues();
+  const std::vector<Suspect> warm = MakeSuspects(problem, model);
+  EXPECT_FALSE(HasKind(warm, Kind::kExcitationDelay));
+  EXPECT_FALSE(HasKind(warm, Kind::kExcitationScale));
+  samples.bottomRightCorner(1, 10).setConstant(25.0);
+  SetSamples(samples, &record);
+  const std::vector<Suspect> warmer = MakeSuspects(problem, model);
+  EXPECT_TRUE(HasKind(warmer, Kind::kExcitationDelay));
+  EXPECT_FALSE(HasKind(warmer, Kind::kExcitationScale));
 }
 
 TEST(ScoreSuspects, PromisesWhatARefitGains) {

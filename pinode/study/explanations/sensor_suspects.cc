@@ -15,13 +15,19 @@ using Kind = Suspect::Kind;
 // of another record.
 constexpr double kMostDelay = 50.0;
 
-// True if nothing but its unknown start moves the record. Its sensors are then
-// early or late against nothing: another start is the same, and for linear
-// models so is another scale.
-bool IsFreeVibration(const IdentificationRecord& record) {
-  return record.start == IdentificationRecord::Start::kFree &&
-         (record.excitation->num_inputs() == 0 ||
-          record.excitation->samples().isZero(0.0));
+// True if the start is an unknown, or was found from the same samples
+// (FixTrainingStarts).
+bool HasFoundStart(const IdentificationRecord& record) {
+  using Start = IdentificationRecord::Start;
+  return record.start == Start::kFree ||
+         (record.start == Start::kKnown && record.start_samples > 0);
+}
+
+// True if an input changes during the record. Covariates and switches need not.
+bool HasChangingInput(const IdentificationRecord& record) {
+  const Matrix& samples = record.excitation->samples();
+  return samples.size() > 0 &&
+         !(samples.colwise() - samples.col(0)).isZero(0.0);
 }
 
 class SensorCatalogue {
@@ -36,7 +42,7 @@ class SensorCatalogue {
     std::vector<std::string> names;
     std::vector<std::pair<int, int>> all;
     bool any_gain = false, any_delay = false;
-    bool any_driven = false;
+    bool any_driven = false, any_clock = false;
     double step = 0.0;
     for (size_t r = 0; r < problem_.records.size(); ++r) {
       const IdentificationRecord& record = problem_.records[r];
@@ -45,7 +51,9 @@ class SensorCatalogue {
       for (size_t c = 0; c < record.channels.size(); ++c) {
         const MeasuredChannel& channel = record.channels[c];
         if (!channel.fit) continue;
-        any_driven = any_driven || !IsFreeVibration(record);
+        const bool is_driven = !IsFreeVibration(record);
+        any_driven = any_driven || is_driven;
+        any_clock = any_clock || is_driven || HasChangingInput(record);
         const std::pair<int, int> at(static_cast<int>(r), static_cast<int>(c));
         any_gain = any_gain || channel.gain >= 0;
         any_delay = any_delay || channel.delay >= 0;
@@ -64,7 +72,7 @@ class SensorCatalogue {
         delays.push_back(SuspectUnknown("delay." + name));
       }
     }
-    if (!any_delay && any_driven) {
+    if (!any_delay && any_clock) {
       Suspect* late = Add(Kind::kExcitationDelay, "",
                           "the clock of all sensors against the excitation");
       late->sensors = {Delay("excitation", step, all)};
@@ -100,6 +108,13 @@ class SensorCatalogue {
       }
     }
     AddExchanges();
+  }
+
+  // True if nothing but its start moves the record. For linear models another
+  // start is then the same as another scale of all sensors. If no input
+  // changes, it is the same as a late clock too.
+  bool IsFreeVibration(const IdentificationRecord& record) const {
+    return HasFoundStart(record) && !problem_.IsDriven(record);
   }
 
   const MeasuredChannel& Channel(const std::pair<int, int>& at) const {
