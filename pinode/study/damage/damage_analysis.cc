@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -250,11 +251,8 @@ class Analyst {
           "Small changes may be side effects.");
     }
     SayWhatExplains();
-    if (kinds && healthy.size() == 1 &&
-        result_.judgement.verdict == DamageVerdict::kCannotTell &&
-        std::find(gone.begin(), gone.end(), true) == gone.end()) {
-      RemarkMassInstead(kinds_->healthy()[0], kinds_->current(), groups_,
-                        candidates_, found_, &result_.remarks);
+    if (kinds && healthy.size() == 1 && IsOpenAlone(missed)) {
+      RemarkMass();
     }
     for (const Baseline& baseline : baselines_) {
       RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
@@ -271,6 +269,26 @@ class Analyst {
     result_.summary.explanations = std::move(explanations_);
     result_.model = std::move(fit_of_new_.model);
     return true;
+  }
+
+  // True if the verdict is open for no other reason than wide intervals.
+  bool IsOpenAlone(const MissedMotion& missed) const {
+    const Judgement& judgement = result_.judgement;
+    return judgement.verdict == DamageVerdict::kCannotTell &&
+           !missed.IsMore() && !missed.other_solution &&
+           std::none_of(judgement.reasons.begin(), judgement.reasons.end(),
+                        [](Reason reason) {
+                          return reason == Reason::kUnexplained ||
+                                 reason == Reason::kModelError ||
+                                 reason == Reason::kOtherExplanation;
+                        });
+  }
+  void RemarkMass() {
+    const auto groups = result_.subjects.begin();
+    RemarkMassInstead(
+        kinds_->healthy()[0], kinds_->current(), kinds_->is_logarithm(),
+        {groups, groups + static_cast<std::ptrdiff_t>(groups_.size())},
+        candidates_, found_, &result_.remarks);
   }
 
   // Nothing where the healthy records' fits are not there.

@@ -61,7 +61,8 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
 }
 
 void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
-                       const std::vector<std::string>& groups,
+                       const std::vector<bool>& is_logarithm,
+                       const std::vector<ChangeSubject>& groups,
                        const std::vector<ChangeCandidate>& candidates,
                        const std::vector<ChangeCandidate>& found,
                        std::vector<std::string>* remarks) {
@@ -72,15 +73,23 @@ void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
   const auto percent = [](double logarithm) {
     return FormatNumber(100.0 * std::expm1(logarithm), 3);
   };
+  bool any = false;
   for (size_t c = 0; c < candidates.size(); ++c) {
     const ChangeSubject& mass = candidates[c].subject;
     const bool is_found = std::any_of(found.begin(), found.end(),
                                       [&mass](const ChangeCandidate& other) {
                                         return other.subject.name == mass.name;
                                       });
-    if (mass.kind != ChangeKind::kMass || !is_found) continue;
+    if (mass.kind != ChangeKind::kMass || !is_found ||
+        !is_logarithm[groups.size() + c]) {
+      continue;
+    }
     const auto m = static_cast<Eigen::Index>(groups.size() + c);
+    std::vector<std::string> names, changes;
     for (size_t j = 0; j < groups.size(); ++j) {
+      if (groups[j].kind != ChangeKind::kStiffness || !is_logarithm[j]) {
+        continue;
+      }
       const auto i = static_cast<Eigen::Index>(j);
       const double slope = covariance(i, m) / covariance(m, m);
       const double shared = slope * covariance(i, m) / covariance(i, i);
@@ -88,15 +97,22 @@ void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
       const double alone = change[i] - slope * change[m];
       const double half =
           1.96 * std::sqrt(std::max(0.0, (1.0 - shared) * covariance(i, i)));
-      remarks->push_back(
-          "The records do not tell '" + groups[j] + "' from the mass at " +
-          mass.place + ". If that mass has not changed, '" + groups[j] +
-          "' has changed by " + percent(alone) + " % (" +
-          percent(alone - half) + " to " + percent(alone + half) +
-          " %). If no mass can have changed, leave \"mass\" out "
-          "of damage.kinds and run again.");
+      names.push_back("'" + groups[j].name + "'");
+      changes.push_back(names.back() + " has changed by " + percent(alone) +
+                        " % (95 % interval " + percent(alone - half) + " to " +
+                        percent(alone + half) + " %)");
     }
+    if (names.empty()) continue;
+    any = true;
+    remarks->push_back(
+        "The records do not tell " + Join(names, ", ") + " from the mass at " +
+        mass.place + ". If that mass has not changed, " + Join(changes, ", ") +
+        ". The scatter between records is not included.");
   }
+  if (!any) return;
+  remarks->back() +=
+      " If no mass can have changed, set damage.kinds = [\"damping\", "
+      "\"stiffness\", \"nonlinear\"], leave out damage.masses and run again.";
 }
 
 }  // namespace pinode

@@ -36,9 +36,11 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
 // Groups of stiffness whose change the records do not tell from that of a mass
 // among `found`, and the change that they have if the mass has none. A free
 // decay knows stiffness over mass alone: 17 % less stiffness was "a loss is not
-// ruled out". Both states have `groups` and then `candidates`, as logarithms.
+// ruled out". One remark per mass. Both states have `groups` and then
+// `candidates`. Entries without the flag `is_logarithm` are left out.
 void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
-                       const std::vector<std::string>& groups,
+                       const std::vector<bool>& is_logarithm,
+                       const std::vector<ChangeSubject>& groups,
                        const std::vector<ChangeCandidate>& candidates,
                        const std::vector<ChangeCandidate>& found,
                        std::vector<std::string>* remarks);

@@ -85,7 +85,7 @@ bool KindsSearch::WideStates(std::string* error) {
     return false;
   }
   healthy_.push_back(std::move(current_));
-  ToLogarithms(groups_.size(), candidates_, &healthy_);
+  is_logarithm_ = ToLogarithms(groups_.size(), candidates_, &healthy_);
   current_ = std::move(healthy_.back());
   healthy_.pop_back();
   return true;
@@ -171,6 +171,7 @@ bool KindsSearch::TakeDampers() {
   const std::vector<FitOfRecords> fits = healthy_records_.fits();
   std::vector<GroupState> healthy = healthy_;
   GroupState current = current_;
+  const std::vector<bool> is_logarithm = is_logarithm_;
   const Candidates dampers = Without(found_, candidates_);
   candidates_.insert(candidates_.end(), dampers.begin(), dampers.end());
   RefitBaselines();
@@ -180,6 +181,7 @@ bool KindsSearch::TakeDampers() {
     healthy_records_.Restore(fits);
     healthy_ = std::move(healthy);
     current_ = std::move(current);
+    is_logarithm_ = is_logarithm;
     return false;
   }
   return true;

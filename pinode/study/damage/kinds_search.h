@@ -57,9 +57,11 @@ class KindsSearch {
   const std::vector<ChangeCandidate>& found() const { return found_; }
   // Gives away the fit of the new records with what was found.
   FitOfRecords TakeFit() { return std::move(fit_of_new_); }
-  // Groups and all candidates, see ToLogarithms.
+  // Groups and all candidates, and the flags of their entries, see
+  // ToLogarithms.
   const std::vector<GroupState>& healthy() const { return healthy_; }
   const GroupState& current() const { return current_; }
+  const std::vector<bool>& is_logarithm() const { return is_logarithm_; }
   // Options for these, of which changes of logarithms are taken.
   ChangeOptions WideOptions(double rate) const;
 
@@ -96,6 +98,7 @@ class KindsSearch {
   bool interrupted_ = false;
   std::vector<GroupState> healthy_;
   GroupState current_;
+  std::vector<bool> is_logarithm_;
 };
 
 }  // namespace pinode

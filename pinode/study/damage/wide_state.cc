@@ -141,14 +141,16 @@ bool IsFactor(const ChangeCandidate& candidate) {
 
 }  // namespace
 
-void ToLogarithms(size_t num_groups,
-                  const std::vector<ChangeCandidate>& candidates,
-                  std::vector<GroupState>* states) {
+std::vector<bool> ToLogarithms(size_t num_groups,
+                               const std::vector<ChangeCandidate>& candidates,
+                               std::vector<GroupState>* states) {
   const std::vector<bool> gone = NearlyGone(*states);
-  for (size_t j = 0; j < num_groups + candidates.size(); ++j) {
+  std::vector<bool> is_logarithm(num_groups + candidates.size(), false);
+  for (size_t j = 0; j < is_logarithm.size(); ++j) {
     if (gone[j] || (j >= num_groups && !IsFactor(candidates[j - num_groups]))) {
       continue;
     }
+    is_logarithm[j] = true;
     const Eigen::Index i = static_cast<Eigen::Index>(j);
     for (GroupState& state : *states) {
       const double scale = 1.0 + state.values[i];
@@ -157,6 +159,7 @@ void ToLogarithms(size_t num_groups,
       state.covariance.col(i) /= scale;
     }
   }
+  return is_logarithm;
 }
 
 }  // namespace pinode

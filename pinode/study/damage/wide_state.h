@@ -68,10 +68,10 @@ void ScaleToUnits(const std::vector<ChangeCandidate>& candidates,
 // structure, multiplying all of them by the same factor gives an equivalent
 // structure. In logarithms that direction is the same on both sides, whatever
 // has changed between them. Entries that are nearly zero in one of the states
-// keep alpha in all of them.
-void ToLogarithms(size_t num_groups,
-                  const std::vector<ChangeCandidate>& candidates,
-                  std::vector<GroupState>* states);
+// keep alpha in all of them. Returns one flag per entry, true for logarithms.
+std::vector<bool> ToLogarithms(size_t num_groups,
+                               const std::vector<ChangeCandidate>& candidates,
+                               std::vector<GroupState>* states);
 
 }  // namespace pinode
 
