@@ -6,6 +6,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/estimate/fit/valley.h"
 #include "pinode/estimate/objective/evidence.h"
 #include "pinode/estimate/shooting/multiple_shooting.h"
 #include "pinode/estimate/shooting/residual_statistics.h"
@@ -195,12 +196,11 @@ bool Fit::SettleSingle(bool* settled) {
   bool fine = false;
   // Costs of ambient records are large negative log-likelihoods, and models
   // that are wrong for them have valleys.
-  constexpr double kValley = 1e-5;
   const IdentificationProblem& problem = context_.problem;
   const bool has_valleys = !problem.ambient.empty() && problem.modal.empty() &&
                            problem.frfs.empty() &&
                            problem.num_train_records() == 0 && !networks;
-  const double valley = has_valleys ? kValley : 0.0;
+  const double valley = has_valleys ? Valley::kShare : 0.0;
   int evidence_rounds = 0;
   bool quiet = false;  // noise and decay, as of the last round
   int quiet_rounds = 0;

@@ -22,6 +22,8 @@ class Valley {
   // such fits go on until they converge: one channel in a band of 2 Hz, with a
   // cost of 3.7e3, takes 15 ms a step.
   static constexpr double kLeastCost = 1e4;
+  // Share of the cost for fits of ambient records.
+  static constexpr double kShare = 1e-5;
 
   // `share` of the cost that a step must save; 0: there are no valleys.
   explicit Valley(double share) : share_(share) {}

@@ -9,7 +9,7 @@ namespace pinode {
 namespace {
 
 // r = (10 (x2 - x1^2), 1 - x1), a valley along x2 = x1^2.
-class Valley final : public CostPart {
+class BentValley final : public CostPart {
  public:
   static Vector Residuals(const Vector& x) {
     return Eigen::Vector2d(10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
@@ -59,7 +59,7 @@ class BentCostTest : public ::testing::Test {
     return bent_.PointOf(flat);
   }
 
-  Valley valley_;
+  BentValley valley_;
   double radius_ = 1e12;
   bool can_bend_ = true;
   BentCost bent_;
@@ -73,9 +73,9 @@ TEST_F(BentCostTest, ResidualsAreStraightAlongThePath) {
   const Vector step = Eigen::Vector2d(0.1, -0.2);
   const Vector point = PointAt(start_ + step);
   const Vector straight =
-      Valley::Residuals(start_) + Valley::Jacobian(start_) * step;
-  EXPECT_LT((Valley::Residuals(point) - straight).norm(), 1e-9);
-  EXPECT_GT((Valley::Residuals(start_ + step) - straight).norm(), 0.09);
+      BentValley::Residuals(start_) + BentValley::Jacobian(start_) * step;
+  EXPECT_LT((BentValley::Residuals(point) - straight).norm(), 1e-9);
+  EXPECT_GT((BentValley::Residuals(start_ + step) - straight).norm(), 0.09);
 }
 
 // The damping of the step is that of its bend.
