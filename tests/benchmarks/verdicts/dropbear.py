@@ -10,6 +10,9 @@ PROGRAMS holds pinode_update and pinode_damage.
 One line a pair of plateaus: the true change of stiffness, that of the squared
 frequencies in DATA/dropbear/reference_f1.json, and what pinode_damage says, with
 options left alone and without masses among the kinds of change.
+
+The unit is nominal: the scale of a free decay is that of its start.  Frequencies
+are copied from reference_f1.json.
 """
 
 import argparse
@@ -76,11 +79,33 @@ unit = "m/s^2"
 
 
 def run(program, *flags):
-    """Returns the first line that the program prints."""
-    done = subprocess.run([program, *flags, "--overwrite", "--progress=false"],
+    """Returns the program's status and the last line that it prints."""
+    done = subprocess.run([program, *flags, "--progress=false"],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           text=True, check=False)
-    return (done.stdout.splitlines() or [f"status {done.returncode}"])[0]
+    lines = done.stdout.strip().splitlines() or ["no output"]
+    return done.returncode, lines[-1]
+
+
+def verdict_on(programs, values, pair, more):
+    """Returns what pinode_damage says of a pair of plateaus, or who refuses."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "baseline")
+        status, said = run(os.path.join(programs, "pinode_update"),
+                           f"--case={write_case(folder, values, pair[0])}",
+                           f"--output_dir={out}")
+        if not os.path.isfile(os.path.join(out, "result.json")):
+            return f"no baseline, status {status}: {said}"
+        result = os.path.join(folder, "damage")
+        status, said = run(os.path.join(programs, "pinode_damage"),
+                           f"--case={write_case(folder, values, pair[1], more)}",
+                           f"--baseline={out}", f"--output_dir={result}")
+        path = os.path.join(result, "damage.json")
+        if not os.path.isfile(path):
+            return f"no result, status {status}: {said}"
+        with open(path, encoding="utf-8") as file:
+            damage = json.load(file)
+        return f"{damage['verdict']}. {damage['message'][:110]}"
 
 
 def main():
@@ -95,28 +120,12 @@ def main():
     with gzip.open(path, "rt") as file:
         volts = np.genfromtxt(file, delimiter=",", names=True)["acc_lowg_V"]
     smooth = filtfilt(firwin(801, 80, fs=RATE), 1, volts - volts.mean())[::EVERY]
-    with tempfile.TemporaryDirectory() as folder:
-        for first, second in PAIRS:
-            out = os.path.join(folder, "baseline")
-            case = write_case(folder, smooth, first)
-            run(os.path.join(options.programs, "pinode_update"),
-                f"--case={case}", f"--output_dir={out}")
-            change = (PLATEAUS[second][2] / PLATEAUS[first][2]) ** 2 - 1
-            print(f"{first} -> {second}: {100 * change:+.1f} %")
-            for words, more in (("all kinds", ""), ("no mass", WITHOUT_MASS)):
-                new = write_case(folder, smooth, second, more)
-                result = os.path.join(folder, "damage")
-                run(os.path.join(options.programs, "pinode_damage"),
-                    f"--case={new}", f"--baseline={out}",
-                    f"--output_dir={result}")
-                try:
-                    with open(os.path.join(result, "damage.json"),
-                              encoding="utf-8") as file:
-                        damage = json.load(file)
-                    print(f"  {words}: {damage['verdict']}. "
-                          f"{damage['message'][:110]}", flush=True)
-                except OSError:
-                    print(f"  {words}: no result", flush=True)
+    for first, second in PAIRS:
+        change = (PLATEAUS[second][2] / PLATEAUS[first][2]) ** 2 - 1
+        print(f"{first} -> {second}: {100 * change:+.1f} %")
+        for words, more in (("all kinds", ""), ("no mass", WITHOUT_MASS)):
+            said = verdict_on(options.programs, smooth, (first, second), more)
+            print(f"  {words}: {said}", flush=True)
     return 0
 
 
