@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/base/constants.h"
+#include "pinode/base/logging.h"
 #include "pinode/estimate/ambient/ambient_cost.h"
 #include "pinode/problem/parameter_layout.h"
 
@@ -16,9 +17,11 @@ using Kind = Suspect::Kind;
 
 // Smallest change of a scale that is worth a refit.
 constexpr double kLeastScale = 0.05;
-// Number of exchanges, and of turns, for which loads are fitted anew. The right
-// one of three to six was the first by its gain at the loads of the wrong
-// samples (data/three_storey_ambient, each of the two exchanges).
+// Number of exchanges, and of turns, for which loads are fitted anew: all up to
+// ten, which five sensors have. Of more only the first few by their gains at
+// the loads of the wrong samples, for every fit of loads has the size of a step
+// of the model's fit.
+constexpr size_t kFewChanges = 10;
 constexpr size_t kMostWithNewLoads = 3;
 
 // The lines of a record at a fit: sums over them of what sensors would change.
@@ -103,8 +106,15 @@ class LinesAtFit {
   Vector own_, with_predicted_, predicted_;
 };
 
+// Moves the best to *suspects. Leaves out gains that are not finite, which have
+// no order.
 void KeepBest(std::vector<std::pair<double, Suspect>>* ranked, size_t most,
               std::vector<Suspect>* suspects) {
+  ranked->erase(std::remove_if(ranked->begin(), ranked->end(),
+                               [](const auto& change) {
+                                 return !std::isfinite(change.first);
+                               }),
+                ranked->end());
   std::stable_sort(
       ranked->begin(), ranked->end(),
       [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -208,7 +218,8 @@ void KeepBestWithNewLoads(const IdentificationProblem& problem, size_t r,
                           std::vector<std::pair<double, Suspect>>* ranked,
                           std::vector<Suspect>* suspects) {
   std::vector<Suspect> tried;
-  KeepBest(ranked, kMostWithNewLoads, &tried);
+  const size_t count = ranked->size();
+  KeepBest(ranked, count > kFewChanges ? kMostWithNewLoads : count, &tried);
   ranked->clear();
   for (Suspect& suspect : tried) {
     IdentificationProblem changed = problem;
@@ -241,6 +252,7 @@ std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
                                          const IdentifiedModel& model,
                                          const std::vector<bool>& is_poor,
                                          int num_threads, size_t most) {
+  CHECK_EQ(is_poor.size(), problem.ambient.size());
   std::vector<Suspect> suspects;
   // A fit may have adapted to a wrong sensor, or have lost itself.
   IdentifiedModel initial = model;
@@ -257,6 +269,7 @@ std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
       if (at == &model || !is_poor[r]) continue;
       Ranked ranked = RankChanges(lines, record, static_cast<int>(r));
       const double own_cost = InitialCost(problem, r, num_threads);
+      if (!std::isfinite(own_cost)) continue;
       for (auto* changes : {&ranked.exchanges, &ranked.turns}) {
         KeepBestWithNewLoads(problem, r, own_cost, num_threads, most, changes,
                              &found);

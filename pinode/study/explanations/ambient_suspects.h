@@ -12,9 +12,8 @@
 namespace pinode {
 
 // Returns the sensors that describe the ambient records better at the fit
-// `model` if they are swapped, turned round or scaled, best first, `most` of
-// each kind. A line Y has the density S = P^-1 there, and the change T of the
-// channels the gain
+// `model` if they are swapped, turned round or scaled. A line Y has the density
+// S = P^-1 there, and the change T of the channels the gain
 //
 //   sum over lines of  tr P Y Y^H - tr P T Y Y^H T'.
 //
@@ -22,9 +21,15 @@ namespace pinode {
 // regression on the value that the other channels and S predict,
 // Y_c - (P Y)_c / P_cc; scales within a twentieth of 1 are left out.
 //
-// `is_poor` is true for the records that the fit does not describe. Their loads
-// have adapted to a wrong sensor. The most likely changes are therefore also
-// counted by what they gain at the initial values with loads of their own.
+// `is_poor` has one flag per ambient record, true if the fit does not describe
+// it. Its loads have then adapted to a wrong sensor. The exchanges, and the
+// turns, are therefore also counted by what they gain at the initial values
+// with loads of their own: all if there are up to ten, else the three
+// likeliest.
+//
+// Each way of counting gives up to `most` of each kind, best first: at the
+// initial values, there with loads of their own, and at the fit. A change that
+// several ways find is there once.
 std::vector<Suspect> MakeAmbientSuspects(const IdentificationProblem& problem,
                                          const IdentifiedModel& model,
                                          const std::vector<bool>& is_poor,

@@ -101,6 +101,11 @@ TEST(AmbientSuspects, AreFoundWithLoadsOfTheirOwn) {
   EXPECT_EQ(found[0].ambient_exchanged[0].two, 2);
 }
 
+TEST(AmbientSuspectsDeathTest, NeedAFlagPerRecord) {
+  const IdentificationProblem problem = Wind();
+  EXPECT_DEATH(MakeAmbientSuspects(problem, Truth(problem), {}, 1, 2), "");
+}
+
 // The suspects undo what was done to the samples.
 TEST(AmbientSuspects, AreAddedToTheSamples) {
   const IdentificationProblem problem = Wind();

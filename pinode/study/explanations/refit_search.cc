@@ -230,7 +230,7 @@ void RefitSearch::AddSuspectsBeside() {
                   suspects_.end());
   std::vector<bool> is_poor;
   for (const AmbientScore& score : fit_.ambient) {
-    is_poor.push_back(score.probability < limits::kSpectrumProbability);
+    is_poor.push_back(score.LeastProbability() < limits::kSpectrumProbability);
   }
   for (Suspect& suspect :
        MakeAmbientSuspects(problem_, model_, is_poor, options_.num_threads,
