@@ -153,7 +153,7 @@ Refused "cannot be predicted" --case=holdout.toml --output_dir=E
 sed 's/^excitation/interpolation = "linear"\n&/' three_storey_ambient.toml \
   >idle.toml
 Refused "no measured load" --case=idle.toml --output_dir=E
-sed 's/^  quantity = "absolute_acceleration"/&\n  gain = {initial = 1.0}/' \
+sed 's/^  quantity = "absolute_acceleration"/&\n  gain = {free = true}/' \
   both.toml >gain.toml
 Refused "cannot be told" --case=gain.toml --output_dir=E
 sed '/^interpolation/d' both.toml >between.toml
