@@ -373,8 +373,7 @@ class TextTableReader {
                  ? "; delete the line if it is no row, set `time_format`, or "
                    "give `sampling_rate_hz`"
                  : ". Write nan for a missing value, and delete lines that are "
-                   "no "
-                   "rows. If pinode misread the file, set `decimal`, "
+                   "no rows. If pinode misread the file, set `decimal`, "
                    "`delimiter` or `header_lines`"));
   }
 
