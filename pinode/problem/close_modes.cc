@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "pinode/base/stable_norm.h"
+
 namespace pinode {
 namespace {
 
@@ -65,13 +67,13 @@ Matrix UnitShapes(const ModalData& data, const std::vector<int>& set) {
                 static_cast<Eigen::Index>(set.size()));
   for (size_t i = 0; i < set.size(); ++i) {
     shapes.col(static_cast<Eigen::Index>(i)) =
-        data.modes[static_cast<size_t>(set[i])].shape.stableNormalized();
+        StableUnit(data.modes[static_cast<size_t>(set[i])].shape);
   }
   return shapes;
 }
 
 double MacWithSpan(const Matrix& basis, const Vector& vector) {
-  const double norm = vector.stableNorm();
+  const double norm = StableNorm(vector);
   if (norm == 0.0) return 0.0;
   const Vector unit = vector / norm;
   const Vector left =

@@ -8,6 +8,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/stable_norm.h"
 #include "pinode/estimate/objective/mode_slopes.h"
 #include "pinode/problem/close_modes.h"
 #include "pinode/structure/model/modal_analysis.h"
@@ -121,9 +122,8 @@ ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
     if (mode.HasShape()) {
       mode.shape.cwiseAbs().maxCoeff(&shape.largest);
       const double scale = mode.shape[shape.largest];
-      shape.values = data.form == ModalForm::kMac
-                         ? Vector(mode.shape.stableNormalized())
-                         : Vector(mode.shape / scale);
+      shape.values = data.form == ModalForm::kMac ? StableUnit(mode.shape)
+                                                  : Vector(mode.shape / scale);
       if (data.form == ModalForm::kEigenvectorDifference) {
         shape.weight_root =
             mode.shape_weight * Matrix::Identity(count - 1, count - 1);

@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "pinode/base/stable_norm.h"
+
 namespace pinode {
 namespace {
 
@@ -49,7 +51,7 @@ bool SpanComparison::Compute(const UndampedModes& modes, std::string* error) {
     const Eigen::ColPivHouseholderQR<Matrix> factor(root * span_);
     coefficients_.col(i) = factor.solve(root * measured_.col(i));
     independent = independent && factor.rank() == count;
-    unit.col(i) = coefficients_.col(i).stableNormalized();
+    unit.col(i) = StableUnit(coefficients_.col(i));
   }
   nearest_ = span_ * coefficients_;
   const Eigen::JacobiSVD<Matrix> svd(unit,
@@ -104,7 +106,7 @@ bool SpanComparison::Differentiate(const UndampedModes& modes,
                          weighted.transpose() * (root * (moved * a));
     const Vector da = (weighted.transpose() * weighted).ldlt().solve(right);
     slopes->nearest.col(i) = moved * a + span_ * da;
-    const double norm = a.stableNorm();
+    const double norm = StableNorm(a);
     const Vector direction = a / norm;
     unit_slopes.col(i) = (da - direction * direction.dot(da)) / norm;
   }

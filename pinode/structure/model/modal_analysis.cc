@@ -9,6 +9,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/logging.h"
+#include "pinode/base/stable_norm.h"
 #include "pinode/structure/model/assignment.h"
 
 namespace pinode {
@@ -264,8 +265,8 @@ double LargestStateEigenvalue(const Matrix& mass, const Matrix& damping,
 double Mac(const Vector& a, const Vector& b) {
   CHECK_EQ(a.size(), b.size()) << "both shapes need the same DOFs";
   // Scaled on the way: shapes may come in any units.
-  const double norm_a = a.stableNorm();
-  const double norm_b = b.stableNorm();
+  const double norm_a = StableNorm(a);
+  const double norm_b = StableNorm(b);
   if (norm_a == 0.0 || norm_b == 0.0) return 0.0;
   const double cosine = (a / norm_a).dot(b / norm_b);
   return std::min(cosine * cosine, 1.0);
