@@ -13,6 +13,7 @@
 #include "pinode/study/explanations/ambient_suspects.h"
 #include "pinode/study/explanations/catalogue.h"
 #include "pinode/study/explanations/frf_suspects.h"
+#include "pinode/study/explanations/likely_delays.h"
 #include "pinode/study/explanations/modes_search.h"
 #include "pinode/study/explanations/rocking_base.h"
 #include "pinode/study/explanations/unknown_forces.h"
@@ -284,6 +285,7 @@ bool RefitSearch::Run() {
     if (!suspect.left_out_modes.empty()) Try(own, {i}, /*cold=*/false);
     if (!suspect.ambient_scales.empty()) TryGain(own, i);
   }
+  if (MostUnexplained(fit_) > limits::kLittleUnexplained) TryDelays(own);
   if (MostUnexplained(fit_) > limits::kNotedUnexplained) TryRocking(own);
   for (size_t together = 2; together <= kMostTogether; ++together) {
     if (!AddToBest()) break;
@@ -509,6 +511,37 @@ void RefitSearch::TryRocking(const Refit& from) {
   if (best.has_value() && best->log_odds > 0.0) {
     refits_.push_back(std::move(*best));
   }
+}
+
+// Refits with delays that no step from zero reaches. The fit without one is
+// lost in another valley: they begin with the initial model.
+void RefitSearch::TryDelays(const Refit& from) {
+  for (const LikelyDelay& likely :
+       FindLikelyDelays(problem_, fit_, suspects_)) {
+    const size_t i = likely.suspect;
+    Parameter& delay = suspects_[i].sensors[0].parameter;
+    delay.lower = std::min(delay.lower, -likely.widest);
+    delay.upper = std::max(delay.upper, likely.widest);
+    delay.value = likely.delay;
+    tried_.erase({i});
+    Try(from, {i}, /*cold=*/true);
+    delay.value = 0.0;
+    KeepBest({i});
+  }
+}
+
+// Removes all refits with exactly these suspects but the best one.
+void RefitSearch::KeepBest(const std::vector<size_t>& suspects) {
+  double best = -kInfinity;
+  for (const Refit& refit : refits_) {
+    if (refit.suspects == suspects) best = std::max(best, refit.log_odds);
+  }
+  refits_.erase(std::remove_if(refits_.begin(), refits_.end(),
+                               [&](const Refit& refit) {
+                                 return refit.suspects == suspects &&
+                                        refit.log_odds < best;
+                               }),
+                refits_.end());
 }
 
 double RefitSearch::LogOdds(const Refit& refit) const {

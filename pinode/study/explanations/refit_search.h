@@ -42,6 +42,8 @@ class RefitSearch {
   void AddSuspectsBeside();
   void TryGain(const Refit& from, size_t i);
   void TryRocking(const Refit& from);
+  void TryDelays(const Refit& from);
+  void KeepBest(const std::vector<size_t>& suspects);
   bool Score(const Refit& at, std::vector<Suspect> suspects,
              SuspectScores* scores) const;
   void AddForceSuspects(const Refit& own);
