@@ -452,4 +452,44 @@ bool FindRivals(const std::vector<GroupState>& healthy,
   return true;
 }
 
+bool FindChangeInstead(const std::vector<GroupState>& healthy,
+                       const GroupState& current, const ChangeOptions& options,
+                       const std::vector<int>& found, int one, int other,
+                       const std::vector<int>& beside, ChangeInstead* result,
+                       std::string* error) {
+  Comparison comparison;
+  if (!Compare(healthy, current, options, &comparison, error)) return false;
+  std::vector<int> with = found;
+  std::vector<int> without = {other};
+  for (const int j : found) {
+    if (j != one && j != other) without.push_back(j);
+  }
+  for (const int j : beside) {
+    for (std::vector<int>* set : {&with, &without}) {
+      if (std::find(set->begin(), set->end(), j) == set->end()) {
+        set->push_back(j);
+      }
+    }
+  }
+  const Matrix& information = comparison.information;
+  const Vector& right = comparison.right;
+  result->loss =
+      Gain(information, right, with) - Gain(information, right, without);
+  const Eigen::Index size = static_cast<Eigen::Index>(without.size());
+  const Matrix variance = Matrix(information(without, without))
+                              .llt()
+                              .solve(Matrix::Identity(size, size));
+  GroupChange& change = result->change;
+  change = GroupChange();
+  change.change = variance.row(0).dot(right(without));
+  change.sigma = std::sqrt(variance(0, 0));
+  const double quantile =
+      StudentQuantile(std::numeric_limits<double>::infinity());
+  change.lower95 = change.change - quantile * change.sigma;
+  change.upper95 = change.change + quantile * change.sigma;
+  change.probability =
+      NormalProbability((-options.threshold - change.change) / change.sigma);
+  return true;
+}
+
 }  // namespace pinode

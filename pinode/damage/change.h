@@ -178,6 +178,24 @@ std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy);
                               std::vector<RivalChange>* rivals,
                               std::string* error);
 
+// Change of one group in place of another one that was found.
+struct ChangeInstead {
+  GroupChange change;  // `changed` and `p_value` are not set
+  // Decrease of twice the log-likelihood by the exchange.
+  double loss = 0.0;
+};
+
+// Computes the change of group `other` if group `one`, an entry of `found`, has
+// not changed. `other` may be in `found` too. The groups `beside` may change
+// along with both explanations, such as damping with stiffness. Options and
+// errors as EstimateChange.
+[[nodiscard]] bool FindChangeInstead(const std::vector<GroupState>& healthy,
+                                     const GroupState& current,
+                                     const ChangeOptions& options,
+                                     const std::vector<int>& found, int one,
+                                     int other, const std::vector<int>& beside,
+                                     ChangeInstead* result, std::string* error);
+
 }  // namespace pinode
 
 #endif  // PINODE_DAMAGE_CHANGE_H_

@@ -193,6 +193,11 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
          (!estimate.has_between_records && IsSet(missed.within_doubt, j)))) {
       reason = Reason::kOtherExplanation;
     }
+    if (IsSet(missed.loss_instead, j) &&
+        (HasChanged(reason) || reason == Reason::kFormal ||
+         reason == Reason::kUndetermined || reason == Reason::kNone)) {
+      reason = Reason::kAmbiguous;
+    }
     reasons.push_back(reason);
   }
   return reasons;

@@ -94,6 +94,10 @@ struct MissedMotion {
   // One flag per subject. It is true if an added mass explains what changed
   // about as well, whatever the number of baselines. Empty: false for all.
   std::vector<bool> mass_instead = {};
+  // One flag per subject. It is true for a stiffness that may have lost more
+  // than the threshold if a mass that was found has not changed. Empty: false
+  // for all.
+  std::vector<bool> loss_instead = {};
 
   // True if `last` is above 2 % and above three times `healthy`. The structure,
   // its loads or its sensors then have changed in a way that was not examined.

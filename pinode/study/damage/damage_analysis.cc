@@ -51,6 +51,15 @@ double LeftOrNoise(const FitSummary& summary) {
   return left;
 }
 
+// True if a mass is an unknown: one factor on all of stiffness, damping and mass
+// is then determined by measured forces alone.
+bool HasMass(const Candidates& candidates) {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const ChangeCandidate& candidate) {
+                       return candidate.subject.kind == ChangeKind::kMass;
+                     });
+}
+
 class Analyst {
  public:
   Analyst(const IdentificationProblem& problem,
@@ -213,7 +222,12 @@ class Analyst {
     for (size_t j = 0; j < gone.size(); ++j) {
       if (gone[j]) options.absolute[j] = true;
     }
-    if (!EstimateChange(healthy, current, options, &result_.estimate, error)) {
+    if (!(HasMass(found_)
+              ? EstimateChangeByLogarithms(groups_.size(), found_, healthy,
+                                           current, options, &result_.estimate,
+                                           error)
+              : EstimateChange(healthy, current, options, &result_.estimate,
+                               error))) {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;
@@ -238,6 +252,7 @@ class Analyst {
                       result_.subjects, result_.estimate, options);
     }
     if (IsOfModes(problem_)) LookForMass(healthy, &missed);
+    if (kinds && !LookForLosses(&missed, error)) return false;
     result_.judgement =
         JudgeChange(result_.subjects, result_.estimate, options_, missed);
     if (missed.IsMore() &&
@@ -322,6 +337,55 @@ class Analyst {
         "The modes may show a mass instead of changed stiffness: " + mass +
         ".");
   }
+  // Stiffness may have been lost where a mass was found, if damping has changed
+  // too: an added mass lowers damping over mass as well as stiffness over mass,
+  // and so needs one change where the others are two.
+  bool LookForLosses(MissedMotion* missed, std::string* error) {
+    std::vector<int> found, beside;
+    for (size_t j = 0; j < result_.subjects.size(); ++j) {
+      if (result_.estimate.groups[j].changed) found.push_back(EntryOf(j));
+    }
+    for (size_t j = 0; j < groups_.size() + candidates_.size(); ++j) {
+      const ChangeKind kind =
+          j < groups_.size() ? result_.subjects[j].kind
+                             : candidates_[j - groups_.size()].subject.kind;
+      if (kind == ChangeKind::kDamping) beside.push_back(static_cast<int>(j));
+    }
+    const ChangeOptions options =
+        kinds_->WideOptions(options_.false_alarm_rate);
+    missed->loss_instead.assign(result_.subjects.size(), false);
+    for (size_t m = groups_.size(); m < result_.subjects.size(); ++m) {
+      if (result_.subjects[m].kind != ChangeKind::kMass ||
+          !result_.estimate.groups[m].changed) {
+        continue;
+      }
+      for (size_t j = 0; j < groups_.size(); ++j) {
+        if (result_.subjects[j].kind != ChangeKind::kStiffness ||
+            !kinds_->is_logarithm()[j]) {
+          continue;
+        }
+        ChangeInstead instead;
+        if (!FindChangeInstead(kinds_->healthy(), kinds_->current(), options,
+                               found, EntryOf(m), static_cast<int>(j), beside,
+                               &instead, error)) {
+          return false;
+        }
+        const bool is_loss = std::expm1(instead.change.lower95) <
+                             -options_.threshold;
+        if (!is_loss || !(instead.loss < options_.rival_loss)) continue;
+        missed->loss_instead[j] = true;
+        result_.estimate.rivals.push_back(
+            {static_cast<int>(m), static_cast<int>(j), instead.loss});
+        instead.change.changed = result_.estimate.groups[j].changed;
+        instead.change.p_value = result_.estimate.groups[j].p_value;
+        FromLogarithm(options_.threshold, 1.0, &instead.change);
+        result_.estimate.groups[j] = instead.change;
+      }
+    }
+    missed->loss_instead.resize(result_.subjects.size(), false);
+    return true;
+  }
+
   // The subject of an entry: of groups, then of all candidates. A candidate
   // that was not one becomes one.
   int SubjectOf(int entry) {

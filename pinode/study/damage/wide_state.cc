@@ -162,4 +162,50 @@ std::vector<bool> ToLogarithms(size_t num_groups,
   return is_logarithm;
 }
 
+void FromLogarithm(double threshold, double baseline, GroupChange* change) {
+  change->probability =
+      0.5 * std::erfc((change->change - std::log1p(-threshold)) /
+                      (change->sigma * std::sqrt(2.0)));
+  change->sigma *= baseline * std::exp(change->change);
+  change->change = baseline * std::expm1(change->change);
+  change->lower95 = baseline * std::expm1(change->lower95);
+  change->upper95 = baseline * std::expm1(change->upper95);
+}
+
+bool EstimateChangeByLogarithms(size_t num_groups,
+                                const std::vector<ChangeCandidate>& candidates,
+                                const std::vector<GroupState>& healthy,
+                                const GroupState& current,
+                                const ChangeOptions& options,
+                                ChangeEstimate* estimate, std::string* error) {
+  std::vector<GroupState> states = healthy;
+  states.push_back(current);
+  const std::vector<bool> is_logarithm =
+      ToLogarithms(num_groups, candidates, &states);
+  const GroupState now = states.back();
+  states.pop_back();
+  ChangeOptions by_logarithms = options;
+  by_logarithms.absolute.resize(is_logarithm.size(), false);
+  for (size_t j = 0; j < is_logarithm.size(); ++j) {
+    if (is_logarithm[j]) by_logarithms.absolute[j] = true;
+  }
+  if (!EstimateChange(states, now, by_logarithms, estimate, error)) {
+    return false;
+  }
+  for (size_t j = 0; j < is_logarithm.size(); ++j) {
+    if (!is_logarithm[j]) continue;
+    // The change of an added mass is a plain difference.
+    double baseline = 1.0;
+    if (j < options.absolute.size() && options.absolute[j]) {
+      baseline = 0.0;
+      for (const GroupState& state : healthy) {
+        baseline += (1.0 + state.values[static_cast<Eigen::Index>(j)]) /
+                    static_cast<double>(healthy.size());
+      }
+    }
+    FromLogarithm(options.threshold, baseline, &estimate->groups[j]);
+  }
+  return true;
+}
+
 }  // namespace pinode

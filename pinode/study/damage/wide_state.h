@@ -73,6 +73,22 @@ std::vector<bool> ToLogarithms(size_t num_groups,
                                const std::vector<ChangeCandidate>& candidates,
                                std::vector<GroupState>* states);
 
+// Turns the change of log(1 + alpha) into that of 1 + alpha, in multiples of
+// 1 / `baseline`: 1 gives a fraction of the baseline, 1 + alpha of the baseline
+// a plain difference. The probability is that of a loss above `threshold`.
+void FromLogarithm(double threshold, double baseline, GroupChange* change);
+
+// EstimateChange of groups and `candidates` by ToLogarithms, with the changes
+// turned back into those of alpha. `options` as OptionsFor gives them. Use it if
+// one factor on all stiffness, damping and mass is not determined: in a free
+// vibration, or under ground motion. Its direction in alpha is (1 + alpha), which
+// is not the same in both states once something has changed. The two directions
+// together would then explain any change.
+[[nodiscard]] bool EstimateChangeByLogarithms(
+    size_t num_groups, const std::vector<ChangeCandidate>& candidates,
+    const std::vector<GroupState>& healthy, const GroupState& current,
+    const ChangeOptions& options, ChangeEstimate* estimate, std::string* error);
+
 }  // namespace pinode
 
 #endif  // PINODE_STUDY_DAMAGE_WIDE_STATE_H_
