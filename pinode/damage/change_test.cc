@@ -224,6 +224,40 @@ TEST(EstimateChangeRivals, NamesWhatExplainsTheChangeAsWell) {
   EXPECT_TRUE(estimate.rivals.empty());
 }
 
+// Mass, stiffness and damping of a free decay, as logarithms: it knows
+// stiffness over mass to 0.001 and damping over mass to 0.05. Stiffness and
+// damping have changed by -0.18 and -0.25. The mass alone leaves 0.07 of the
+// damping.
+TEST(FindChangeInstead, AllowsForWhatMayChangeAlong) {
+  Matrix information = 0.25 * Matrix::Identity(3, 3);
+  const Vector k{{-1.0, 1.0, 0.0}}, c{{-1.0, 0.0, 1.0}};
+  information += 1e6 * k * k.transpose() + 400.0 * c * c.transpose();
+  const Matrix covariance = information.inverse();
+  const GroupState healthy = {Vector::Zero(3), covariance};
+  const GroupState current = {Vector{{0.0, -0.18, -0.25}}, covariance};
+  ChangeOptions options;
+  options.absolute = {true, true, true};
+  ChangeInstead instead;
+  std::string error;
+  ASSERT_TRUE(FindChangeInstead({healthy}, current, options, {0}, 0, 1, {2},
+                                &instead, &error))
+      << error;
+  EXPECT_NEAR(instead.change.change, -0.18, 0.002);
+  EXPECT_NEAR(instead.change.sigma, std::sqrt(2.0) * 0.001, 1e-4);
+  EXPECT_GT(instead.change.probability, 0.999);
+  EXPECT_LT(std::abs(instead.loss), 1.0);
+  // With damping as it was, stiffness does not explain its decrease.
+  ASSERT_TRUE(FindChangeInstead({healthy}, current, options, {0}, 0, 1, {},
+                                &instead, &error));
+  EXPECT_GT(instead.loss, 6.0);
+  // A group that was found beside the mass stays.
+  ASSERT_TRUE(FindChangeInstead({healthy}, current, options, {0, 1}, 0, 1, {2},
+                                &instead, &error));
+  EXPECT_NEAR(instead.change.change, -0.18, 0.002);
+  EXPECT_FALSE(FindChangeInstead({}, current, options, {0}, 0, 1, {2}, &instead,
+                                 &error));
+}
+
 TEST(NearlyGone, AsksAllStates) {
   GroupState one, other;
   one.values = Vector::Zero(4);

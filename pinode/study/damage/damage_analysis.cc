@@ -51,8 +51,8 @@ double LeftOrNoise(const FitSummary& summary) {
   return left;
 }
 
-// True if a mass is an unknown: one factor on all of stiffness, damping and mass
-// is then determined by measured forces alone.
+// True if a mass is an unknown: one factor on all of stiffness, damping and
+// mass is then determined by measured forces alone.
 bool HasMass(const Candidates& candidates) {
   return std::any_of(candidates.begin(), candidates.end(),
                      [](const ChangeCandidate& candidate) {
@@ -222,12 +222,11 @@ class Analyst {
     for (size_t j = 0; j < gone.size(); ++j) {
       if (gone[j]) options.absolute[j] = true;
     }
-    if (!(HasMass(found_)
-              ? EstimateChangeByLogarithms(groups_.size(), found_, healthy,
-                                           current, options, &result_.estimate,
-                                           error)
-              : EstimateChange(healthy, current, options, &result_.estimate,
-                               error))) {
+    if (!(HasMass(found_) ? EstimateChangeByLogarithms(
+                                groups_.size(), found_, healthy, current,
+                                options, &result_.estimate, error)
+                          : EstimateChange(healthy, current, options,
+                                           &result_.estimate, error))) {
       return false;
     }
     if (kinds && !AddRivals(error)) return false;
@@ -370,8 +369,8 @@ class Analyst {
                                &instead, error)) {
           return false;
         }
-        const bool is_loss = std::expm1(instead.change.lower95) <
-                             -options_.threshold;
+        const bool is_loss =
+            std::expm1(instead.change.lower95) < -options_.threshold;
         if (!is_loss || !(instead.loss < options_.rival_loss)) continue;
         missed->loss_instead[j] = true;
         result_.estimate.rivals.push_back(

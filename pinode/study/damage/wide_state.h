@@ -79,11 +79,11 @@ std::vector<bool> ToLogarithms(size_t num_groups,
 void FromLogarithm(double threshold, double baseline, GroupChange* change);
 
 // EstimateChange of groups and `candidates` by ToLogarithms, with the changes
-// turned back into those of alpha. `options` as OptionsFor gives them. Use it if
-// one factor on all stiffness, damping and mass is not determined: in a free
-// vibration, or under ground motion. Its direction in alpha is (1 + alpha), which
-// is not the same in both states once something has changed. The two directions
-// together would then explain any change.
+// turned back into those of alpha. `options` as OptionsFor gives them. Use it
+// if one factor on all stiffness, damping and mass is not determined: in a free
+// vibration, or under ground motion. Its direction in alpha is (1 + alpha),
+// which is not the same in both states once something has changed. The two
+// directions together would then explain any change.
 [[nodiscard]] bool EstimateChangeByLogarithms(
     size_t num_groups, const std::vector<ChangeCandidate>& candidates,
     const std::vector<GroupState>& healthy, const GroupState& current,

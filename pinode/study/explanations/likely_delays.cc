@@ -189,9 +189,8 @@ std::vector<LikelyDelay> FindLikelyDelays(
   const Eigen::Index widest =
       WidestLag(problem, step, any->sensors[0].parameter.upper);
   if (widest < 1) return {};
-  for (std::vector<Matrix>& simulations :
-       std::vector<std::vector<Matrix>>{SimulationsOfInitial(problem),
-                                        SimulationsOfFit(problem, fit)}) {
+  for (std::vector<Matrix>& simulations : std::vector<std::vector<Matrix>>{
+           SimulationsOfInitial(problem), SimulationsOfFit(problem, fit)}) {
     const Correlations correlations(problem, std::move(simulations));
     for (size_t i = 0; i < suspects.size(); ++i) {
       if (!IsDelayOfChannels(suspects[i])) continue;
