@@ -52,7 +52,8 @@ std::vector<RecordBlock> CutIntoBlocks(const IdentificationProblem& problem,
                                   BlockEstimates* estimates);
 
 // Widens the intervals by the names of the fit's unknowns so that each holds
-// what every block says, to within the deviation of that block.
+// what every block says, to within the deviation of that block, and the 95 %
+// interval of the mean over blocks that differ at random.
 void WidenByBlocks(const BlockEstimates& estimates, const FitSummary& fit,
                    const IdentificationProblem& problem,
                    std::vector<ExplainedValue>* intervals);

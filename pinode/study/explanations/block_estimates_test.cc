@@ -8,6 +8,7 @@
 
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/study/identify/identify.h"
+#include "pinode/study/terms/term_worth.h"
 #include "tests/support/study_testing.h"
 
 namespace pinode {
@@ -97,6 +98,36 @@ TEST(BlockEstimates, ContradictAFitToTwoStructures) {
     EXPECT_LT(intervals[i].lower95, -0.17);
     EXPECT_GT(intervals[i].upper95, -0.06);
   }
+}
+
+// All blocks lie on one side of the fit, so that none asks for more on the
+// other. Their scatter does: three deviations of the mean of four, by Student's
+// t, and nothing where the blocks agree.
+TEST(BlockEstimates, ScatterOfBlocksWidensBothSides) {
+  const Vector truth{{0.1, -0.2, 0.0}};
+  const Identification found =
+      Identify(TwoRecords(truth, truth), IdentificationOptions(), {}, nullptr);
+  BlockEstimates estimates = BlocksOf(found);
+  ASSERT_THAT(estimates.blocks, SizeIs(4));
+  const Eigen::Index j = ParameterLayout(found.problem).FreeIndex("k2");
+  ASSERT_GE(j, 0);
+  const double value = FindEstimate(found.summary, "k2")->value;
+  const auto widened = [&](const Vector& shifts) {
+    for (size_t b = 0; b < 4; ++b) {
+      estimates.blocks[b].shifts[j] = shifts[static_cast<Eigen::Index>(b)];
+      estimates.blocks[b].deviations[j] = 0.001;
+    }
+    std::vector<ExplainedValue> intervals = {{"k2", value, value, value}};
+    WidenByBlocks(estimates, found.summary, found.problem, &intervals);
+    return intervals[0];
+  };
+  const ExplainedValue scattered = widened(Vector{{0.1, 0.2, 0.3, 0.4}});
+  const double mean_deviation = std::sqrt(0.05 / 3.0 / 4.0);
+  EXPECT_NEAR(value - scattered.lower95, 3.18 * mean_deviation, 0.01);
+  EXPECT_GT(scattered.upper95 - value, 0.39);
+  const ExplainedValue alike = widened(Vector{{5e-4, -5e-4, 5e-4, -5e-4}});
+  EXPECT_DOUBLE_EQ(alike.lower95, value);
+  EXPECT_DOUBLE_EQ(alike.upper95, value);
 }
 
 TEST(BlockEstimates, ShortRecordsHaveNone) {
