@@ -20,7 +20,7 @@ namespace {
 constexpr double kClearlyBetter = 0.1;
 // Least correlation of a channel, or of all, with the right delay. The 24 had
 // 0.57 and above.
-constexpr double kLeastCorrelation = 0.4;
+constexpr double kLeastAgreement = 0.4;
 // Number of delays to return.
 constexpr size_t kMostLikely = 2;
 // Periods of the lowest mode, and share of a record, that delays reach over.
@@ -202,7 +202,7 @@ std::vector<LikelyDelay> FindLikelyDelays(
       likely.widest = static_cast<double>(widest) * step;
       likely.correlation = correlations.At(places, lag);
       likely.without = correlations.At(places, 0);
-      if (likely.correlation < kLeastCorrelation ||
+      if (likely.correlation < kLeastAgreement ||
           likely.correlation < likely.without + kClearlyBetter) {
         continue;
       }
