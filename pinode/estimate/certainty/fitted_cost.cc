@@ -9,6 +9,26 @@
 #include "pinode/estimate/start/initial_states.h"
 
 namespace pinode {
+namespace {
+
+MultipleShooting::Options WithThreads(int num_threads) {
+  MultipleShooting::Options options;
+  options.num_threads = num_threads;
+  return options;
+}
+
+// Linearises `objective`, a cost of `problem`, at a fit.
+bool LinearizePlaced(const IdentificationProblem& problem,
+                     const ParameterLayout& layout,
+                     const IdentifiedModel& model,
+                     const std::vector<RecordScore>& scores,
+                     Objective* objective, CondensedSystem* system) {
+  return PlaceAtFit(problem, layout, model, scores, objective) &&
+         objective->Linearize(layout.Free(model.parameters), system) &&
+         system->hessian.allFinite();
+}
+
+}  // namespace
 
 bool PlaceAtFit(const IdentificationProblem& problem,
                 const ParameterLayout& layout, const IdentifiedModel& model,
@@ -53,16 +73,12 @@ bool LinearizeAtFit(const IdentificationProblem& problem,
                     const ParameterLayout& layout, const IdentifiedModel& model,
                     const std::vector<RecordScore>& scores, int num_threads,
                     FittedCost* cost) {
-  MultipleShooting::Options options;
-  options.num_threads = num_threads;
-  Objective objective(problem, layout, options);
-  if (!PlaceAtFit(problem, layout, model, scores, &objective)) return false;
-  MultipleShooting& shooting = objective.shooting();
-  const Vector free = layout.Free(model.parameters);
+  Objective objective(problem, layout, WithThreads(num_threads));
   std::vector<Matrix> residuals;
-  if (!objective.Linearize(free, &cost->system) ||
-      !cost->system.hessian.allFinite() ||
-      !WeightedResiduals(free, false, &shooting, &residuals, nullptr)) {
+  if (!LinearizePlaced(problem, layout, model, scores, &objective,
+                       &cost->system) ||
+      !WeightedResiduals(layout.Free(model.parameters), false,
+                         &objective.shooting(), &residuals, nullptr)) {
     return false;
   }
   double sum = 0.0;
@@ -75,6 +91,14 @@ bool LinearizeAtFit(const IdentificationProblem& problem,
   }
   cost->memory = std::max(1.0, sum / std::max(count, 1));
   return true;
+}
+
+bool LinearizeAtFit(const IdentificationProblem& problem,
+                    const ParameterLayout& layout, const IdentifiedModel& model,
+                    const std::vector<RecordScore>& scores, int num_threads,
+                    CondensedSystem* system) {
+  Objective objective(problem, layout, WithThreads(num_threads));
+  return LinearizePlaced(problem, layout, model, scores, &objective, system);
 }
 
 }  // namespace pinode

@@ -41,6 +41,12 @@ struct FittedCost {
                                   const IdentifiedModel& model,
                                   const std::vector<RecordScore>& scores,
                                   int num_threads, FittedCost* cost);
+// Computes the system alone. The memory costs another sweep of the records.
+[[nodiscard]] bool LinearizeAtFit(const IdentificationProblem& problem,
+                                  const ParameterLayout& layout,
+                                  const IdentifiedModel& model,
+                                  const std::vector<RecordScore>& scores,
+                                  int num_threads, CondensedSystem* system);
 
 }  // namespace pinode
 

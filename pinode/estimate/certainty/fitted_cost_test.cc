@@ -68,6 +68,24 @@ TEST_F(FittedCostTest, CountsTheMemoryOfTheResiduals) {
   EXPECT_GT(At(truth + Eigen::Vector2d(0.0, 0.2), 0.01).memory, 2.0);
 }
 
+TEST_F(FittedCostTest, TheSystemAloneIsTheSame) {
+  const Eigen::Vector2d truth(0.1, -0.05);
+  Make(truth, 0.05);
+  const Vector near = truth + Eigen::Vector2d(0.0, 0.2);
+  const FittedCost cost = At(near, 0.01);
+  IdentifiedModel model;
+  model.parameters = near;
+  model.sigmas = {Vector::Constant(2, 0.01)};
+  const ParameterLayout layout(problem_);
+  CondensedSystem system;
+  ASSERT_TRUE(LinearizeAtFit(problem_, layout, model, scores_, 1, &system));
+  EXPECT_EQ(system.cost, cost.system.cost);
+  EXPECT_EQ(system.gradient, cost.system.gradient);
+  EXPECT_EQ(system.hessian, cost.system.hessian);
+  scores_[0].finite = false;
+  EXPECT_FALSE(LinearizeAtFit(problem_, layout, model, scores_, 1, &system));
+}
+
 TEST_F(FittedCostTest, ARunThatIsNotFiniteHasNone) {
   Make(Eigen::Vector2d(0.1, -0.05), 0.01);
   scores_[0].finite = false;

@@ -306,9 +306,9 @@ bool ChangeRefitter::Linearize(const Names& names,
                                const std::vector<RecordScore>& scores,
                                ComparedCost* cost) const {
   const ParameterLayout layout(open);
-  FittedCost fitted;
+  CondensedSystem system;
   if (!LinearizeAtFit(open, layout, at, scores, options_.num_threads,
-                      &fitted)) {
+                      &system)) {
     return false;
   }
   std::vector<int> compared(names.names.size(), -1), others;
@@ -321,11 +321,11 @@ bool ChangeRefitter::Linearize(const Names& names,
     }
   }
   if (IsChanged(compared, -1)) return false;
-  const Matrix hessian = fitted.system.hessian / memory_;
-  const Vector gradient = fitted.system.gradient / memory_;
+  const Matrix hessian = system.hessian / memory_;
+  const Vector gradient = system.gradient / memory_;
   cost->at = layout.Free(at.parameters)(compared);
   cost->at += names.present;
-  cost->cost = fitted.system.cost / memory_;
+  cost->cost = system.cost / memory_;
   cost->gradient = gradient(compared);
   cost->information = hessian(compared, compared);
   if (!others.empty()) {

@@ -114,7 +114,7 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
             if (Contains(names_, parameter->name)) parameter->free = true;
           }));
   const ParameterLayout layout(extended.problem);
-  FittedCost cost;
+  CondensedSystem system;
   Matrix root, null_space;
   std::vector<int> held, others;
   for (int j = 0; j < layout.num_free(); ++j) {
@@ -122,14 +122,14 @@ bool HeldFollowers::FindSlopes(const FitOfRecords& fit,
         .push_back(j);
   }
   if (!LinearizeAtFit(extended.problem, layout, at, fit.summary.records,
-                      num_threads, &cost) ||
-      !InvertInformation(cost.system.hessian(others, others), &root,
-                         &null_space, InformationRounding(fit.problem))) {
+                      num_threads, &system) ||
+      !InvertInformation(system.hessian(others, others), &root, &null_space,
+                         InformationRounding(fit.problem))) {
     *error = "the model with free coefficients of covariates is not finite";
     return false;
   }
   const Matrix slopes =
-      -root * (root.transpose() * cost.system.hessian(others, held));
+      -root * (root.transpose() * system.hessian(others, held));
   // One row for each of these. Columns are in the order of the layout, which is
   // also the order of names_.
   std::vector<std::pair<std::string, double>> wanted;

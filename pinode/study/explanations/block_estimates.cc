@@ -157,7 +157,7 @@ bool EstimateBlocks(const IdentificationProblem& problem, const FitSummary& fit,
   const std::vector<RecordBlock> blocks = CutIntoBlocks(problem, fit);
   if (blocks.empty()) return true;
   const ParameterLayout layout(problem);
-  FittedCost whole;
+  CondensedSystem whole;
   if (!LinearizeAtFit(problem, layout, model, fit.records, num_threads,
                       &whole)) {
     return false;
@@ -174,14 +174,14 @@ bool EstimateBlocks(const IdentificationProblem& problem, const FitSummary& fit,
     return shifts->allFinite();
   };
   Vector unused;
-  if (!step(whole.system, &unused, &estimates->deviations)) return false;
+  if (!step(whole, &unused, &estimates->deviations)) return false;
   for (const RecordBlock& block : blocks) {
     BlockEstimate estimate;
     estimate.block = block;
-    FittedCost cost;
+    CondensedSystem system;
     if (!LinearizeAtFit(OnlyBlock(problem, block), layout, model, fit.records,
-                        num_threads, &cost) ||
-        !step(cost.system, &estimate.shifts, &estimate.deviations)) {
+                        num_threads, &system) ||
+        !step(system, &estimate.shifts, &estimate.deviations)) {
       return false;
     }
     estimates->blocks.push_back(std::move(estimate));

@@ -167,8 +167,9 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
       BeginFrom(ParametersByName(problem, model), model, extended);
   at.decays = model.decays;
   const ParameterLayout layout(extended);
-  FittedCost cost;
-  if (!LinearizeAtFit(extended, layout, at, fit.records, num_threads, &cost)) {
+  CondensedSystem system;
+  if (!LinearizeAtFit(extended, layout, at, fit.records, num_threads,
+                      &system)) {
     *error = "the model with other unknowns in it is not finite";
     return false;
   }
@@ -182,7 +183,7 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
     base.push_back(j);
     scores->names.push_back(name);
   }
-  AddUsual(fit, layout, cost.system, base, suspects, scores);
+  AddUsual(fit, layout, system, base, suspects, scores);
   Vector priors = Vector::Zero(layout.num_free());
   for (int j = 0; j < layout.num_free(); ++j) {
     const Parameter& parameter = layout.free_parameter(j);
@@ -190,7 +191,7 @@ bool ScoreSuspects(const IdentificationProblem& problem, const FitSummary& fit,
       priors[j] = 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
     }
   }
-  const Information information(cost.system, priors, base);
+  const Information information(system, priors, base);
   const auto column = [&layout](const std::string& name) {
     Vector direction = Vector::Zero(layout.num_free());
     const int j = layout.FreeIndex(name);
