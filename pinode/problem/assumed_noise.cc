@@ -1,6 +1,8 @@
 #include "pinode/problem/assumed_noise.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 
 #include "pinode/base/statistics.h"
 
@@ -31,24 +33,31 @@ std::vector<Vector> AssumedNoise(const IdentificationProblem& problem,
   return sigmas;
 }
 
-bool FindTrainedSensor(const IdentificationProblem& problem,
-                       const MeasuredChannel& channel, TrainedSensor* sensor) {
-  bool found = false;
+TrainedSensors FindTrainedSensors(const IdentificationProblem& problem) {
+  std::map<std::string, TrainedSensor> fitted;
   for (size_t r = 0; r < problem.records.size(); ++r) {
     const IdentificationRecord& train = problem.records[r];
     if (train.role != IdentificationRecord::Role::kTrain) continue;
     for (size_t c = 0; c < train.channels.size(); ++c) {
-      if (train.channels[c].fit &&
-          train.channels[c].observation.name == channel.observation.name) {
-        *sensor = {r, static_cast<int>(c)};
-        found = true;
-      }
+      if (!train.channels[c].fit) continue;
+      fitted[train.channels[c].observation.name] = {r, static_cast<int>(c)};
     }
   }
-  return found;
+  TrainedSensors trained;
+  for (const IdentificationRecord& record : problem.records) {
+    trained.emplace_back();
+    for (const MeasuredChannel& channel : record.channels) {
+      const auto found = fitted.find(channel.observation.name);
+      trained.back().push_back(found == fitted.end()
+                                   ? std::nullopt
+                                   : std::make_optional(found->second));
+    }
+  }
+  return trained;
 }
 
 std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
+                                      const TrainedSensors& trained,
                                       const std::vector<Vector>& sigmas,
                                       const NoiseTuning& tuning) {
   std::vector<Vector> all;
@@ -62,12 +71,9 @@ std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
     const IdentificationRecord& record = problem.records[r];
     if (record.role == IdentificationRecord::Role::kTrain) continue;
     for (size_t c = 0; c < record.channels.size(); ++c) {
-      TrainedSensor sensor;
-      if (record.channels[c].sigma > 0.0 ||
-          !FindTrainedSensor(problem, record.channels[c], &sensor)) {
-        continue;
-      }
-      all[r][static_cast<int>(c)] = all[sensor.record][sensor.channel];
+      const std::optional<TrainedSensor>& sensor = trained[r][c];
+      if (record.channels[c].sigma > 0.0 || !sensor.has_value()) continue;
+      all[r][static_cast<int>(c)] = all[sensor->record][sensor->channel];
     }
   }
   return all;

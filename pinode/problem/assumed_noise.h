@@ -3,6 +3,7 @@
 #ifndef PINODE_PROBLEM_ASSUMED_NOISE_H_
 #define PINODE_PROBLEM_ASSUMED_NOISE_H_
 
+#include <optional>
 #include <vector>
 
 #include "pinode/base/types.h"
@@ -31,15 +32,18 @@ struct TrainedSensor {
   int channel = 0;
 };
 
-// Finds the last training record in which the sensor of `channel`, known by its
-// name, was fitted. False, with *sensor untouched, if there is none.
-bool FindTrainedSensor(const IdentificationProblem& problem,
-                       const MeasuredChannel& channel, TrainedSensor* sensor);
+// Trained sensors of all channels, per record and channel.
+using TrainedSensors = std::vector<std::vector<std::optional<TrainedSensor>>>;
+
+// Finds for each channel the last training record in which a sensor of the same
+// name was fitted. Empty where there is none.
+TrainedSensors FindTrainedSensors(const IdentificationProblem& problem);
 
 // Returns the noise of all records after a fit. `sigmas` are those of the
 // training records. A channel of another record takes its given sigma, else the
-// sigma of the same sensor in a training record, else AssumedNoise.
+// sigma of its sensor in `trained`, else AssumedNoise.
 std::vector<Vector> NoiseOfAllRecords(const IdentificationProblem& problem,
+                                      const TrainedSensors& trained,
                                       const std::vector<Vector>& sigmas,
                                       const NoiseTuning& tuning);
 

@@ -5,7 +5,6 @@
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
-#include "pinode/problem/assumed_noise.h"
 
 namespace pinode {
 namespace {
@@ -35,7 +34,8 @@ Floor MeasureFloor(const MeasuredChannel& channel, const RecordScore& score,
 
 }  // namespace
 
-Vector HoldoutNoise(const IdentificationProblem& problem, int record,
+Vector HoldoutNoise(const IdentificationProblem& problem,
+                    const TrainedSensors& trained, int record,
                     const std::vector<Vector>& sigmas,
                     const std::vector<RecordScore>& scores) {
   const size_t r = static_cast<size_t>(record);
@@ -46,17 +46,16 @@ Vector HoldoutNoise(const IdentificationProblem& problem, int record,
   }
   for (int c = 0; c < own.size(); ++c) {
     const MeasuredChannel& channel = data.channels[static_cast<size_t>(c)];
-    TrainedSensor sensor;
-    if (channel.sigma > 0.0 || !FindTrainedSensor(problem, channel, &sensor)) {
-      continue;
-    }
-    const RecordScore& train = scores[sensor.record];
+    const std::optional<TrainedSensor>& sensor =
+        trained[r][static_cast<size_t>(c)];
+    if (channel.sigma > 0.0 || !sensor.has_value()) continue;
+    const RecordScore& train = scores[sensor->record];
     if (!train.finite) continue;
     const Floor here = MeasureFloor(channel, scores[r], c);
     const Floor there =
-        MeasureFloor(problem.records[sensor.record]
-                         .channels[static_cast<size_t>(sensor.channel)],
-                     train, sensor.channel);
+        MeasureFloor(problem.records[sensor->record]
+                         .channels[static_cast<size_t>(sensor->channel)],
+                     train, sensor->channel);
     const double more = here.measured.value - there.measured.value;
     const double deviation =
         std::hypot(here.measured.deviation, there.measured.deviation);

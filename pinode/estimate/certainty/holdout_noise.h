@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/base/types.h"
+#include "pinode/problem/assumed_noise.h"
 #include "pinode/problem/fit_summary.h"
 #include "pinode/problem/identification_problem.h"
 
@@ -34,7 +35,8 @@ namespace pinode {
 //
 // `sigmas`: of all records, one number per channel, as from NoiseOfAllRecords.
 // `scores`: simulations of all records. Returns the sigmas of `record`.
-Vector HoldoutNoise(const IdentificationProblem& problem, int record,
+Vector HoldoutNoise(const IdentificationProblem& problem,
+                    const TrainedSensors& trained, int record,
                     const std::vector<Vector>& sigmas,
                     const std::vector<RecordScore>& scores);
 

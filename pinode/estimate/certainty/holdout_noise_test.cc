@@ -51,7 +51,8 @@ class HoldoutNoiseTest : public ::testing::Test {
   }
 
   double Noise(int record = 1) const {
-    return HoldoutNoise(problem_, record, sigmas_, scores_)[0];
+    return HoldoutNoise(problem_, FindTrainedSensors(problem_), record, sigmas_,
+                        scores_)[0];
   }
 
   IdentificationProblem problem_;

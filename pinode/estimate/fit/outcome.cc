@@ -220,13 +220,13 @@ bool KeepsHistories(const IdentificationOptions& options) {
 // measurements within them.
 void BandPredictions(const IdentificationProblem& problem,
                      const IdentificationOptions& options,
-                     const Certainty& certainty, const IdentifiedModel& model,
-                     FitSummary* summary) {
+                     const TrainedSensors& trained, const Certainty& certainty,
+                     const IdentifiedModel& model, FitSummary* summary) {
   if (!certainty.known || !options.prediction_bands) return;
   const CovarianceEstimate& covariance = certainty.covariance;
   for (size_t r = 0; r < summary->records.size(); ++r) {
     RecordScore& score = summary->records[r];
-    const Vector sigmas = HoldoutNoise(problem, static_cast<int>(r),
+    const Vector sigmas = HoldoutNoise(problem, trained, static_cast<int>(r),
                                        model.sigmas, summary->records);
     score.deviations = PredictionDeviations(
         problem, static_cast<int>(r), model.parameters, covariance.covariance,
@@ -238,9 +238,7 @@ void BandPredictions(const IdentificationProblem& problem,
       const MeasuredChannel& channel = problem.records[r].channels[c];
       score.channels[c].sigma = sigmas[static_cast<int>(c)];
       // Noise that is assumed for other sensors gives no band.
-      TrainedSensor sensor;
-      if (!(channel.sigma > 0.0) &&
-          !FindTrainedSensor(problem, channel, &sensor)) {
+      if (!(channel.sigma > 0.0) && !trained[r][c].has_value()) {
         if (score.deviations.size() > 0) {
           score.deviations.row(static_cast<int>(c)).setConstant(kNaN);
         }
@@ -348,7 +346,9 @@ void ReportOutcome(const IdentificationProblem& problem,
   SetTermination(*fit, summary);
   model->parameters = fit->BestParameters();
   model->decays = best.decays;
-  model->sigmas = NoiseOfAllRecords(problem, best.sigmas, options.tuning.noise);
+  const TrainedSensors trained = FindTrainedSensors(problem);
+  model->sigmas =
+      NoiseOfAllRecords(problem, trained, best.sigmas, options.tuning.noise);
   model->resume_stage = fit->converged() ? 0 : fit->stage();
   summary->decays.assign(best.decays.begin(), best.decays.end());
   if (!summary->iterations.empty()) {
@@ -382,14 +382,15 @@ void ReportOutcome(const IdentificationProblem& problem,
     ReportModes(problem, layout, model->parameters, fit->objective().modes(),
                 &certainty.known, &certainty.covariance, summary);
   }
-  BandPredictions(problem, options, certainty, *model, summary);
+  BandPredictions(problem, options, trained, certainty, *model, summary);
   // The noise of hold-outs needed the predictions of all records.
   for (RecordScore& score : summary->records) {
     if (!KeepsHistories(options)) score.prediction.resize(0, 0);
   }
-  ReportAmbient(layout.Free(model->parameters), fit->objective(), summary);
-  ReportFrfs(layout.Free(layout.InitialValues()),
-             layout.Free(model->parameters), fit->objective(), summary);
+  const Vector free = layout.Free(model->parameters);
+  ReportAmbient(free, fit->objective(), summary);
+  ReportFrfs(layout.Free(layout.InitialValues()), free, fit->objective(),
+             summary);
   ReportParameters(problem, layout, model->parameters, certainty, summary);
   summary->forces = EstimateForces(
       problem, layout, model->parameters,

@@ -52,13 +52,31 @@ TEST_F(ReweightingTest, AssumesAShareOfTheSpread) {
 TEST_F(ReweightingTest, TheSameSensorHasTheSameNoise) {
   const std::vector<Vector> train = {Vector::Constant(1, 0.1),
                                      Vector::Constant(1, 0.2)};
-  auto all = NoiseOfAllRecords(problem_, train, NoiseTuning());
+  auto all = NoiseOfAllRecords(problem_, FindTrainedSensors(problem_), train,
+                               NoiseTuning());
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0][0], 0.1);
   EXPECT_EQ(all[2][0], 0.2);
   problem_.records[2].channels[0].observation.name = "another";
-  all = NoiseOfAllRecords(problem_, train, NoiseTuning());
+  all = NoiseOfAllRecords(problem_, FindTrainedSensors(problem_), train,
+                          NoiseTuning());
   EXPECT_DOUBLE_EQ(all[2][0], 0.05 * SpreadOf(2));
+}
+
+// The last training record counts, in which the sensor was fitted.
+TEST_F(ReweightingTest, FindsWhereASensorWasTrained) {
+  TrainedSensors trained = FindTrainedSensors(problem_);
+  ASSERT_EQ(trained.size(), 3u);
+  ASSERT_EQ(trained[2].size(), 1u);
+  ASSERT_TRUE(trained[2][0].has_value());
+  EXPECT_EQ(trained[2][0]->record, 1u);
+  EXPECT_EQ(trained[2][0]->channel, 0);
+  problem_.records[1].channels[0].fit = false;
+  trained = FindTrainedSensors(problem_);
+  ASSERT_TRUE(trained[2][0].has_value());
+  EXPECT_EQ(trained[2][0]->record, 0u);
+  problem_.records[2].channels[0].observation.name = "another";
+  EXPECT_FALSE(FindTrainedSensors(problem_)[2][0].has_value());
 }
 
 TEST_F(ReweightingTest, ComesToTheNoiseOfTheTruth) {
