@@ -18,31 +18,29 @@ namespace {
 // Probability above which the remaining error of the modes may be chance.
 constexpr double kLeastModalProbability = 0.01;
 
-// Compares measured modes with those of the initial and the fitted model.
-void ScoreModes(const IdentificationProblem& problem,
+// Compares the measured modes with those of the initial and the fitted model.
+// `modes`: the modal cost of the fit.
+void ScoreModes(const ModalData& measured, const ModalCost& modes,
                 const Vector& prior_parameters, const Vector& parameters,
                 FitSummary* summary) {
-  if (problem.modal.empty()) return;
-  const StructuralDynamics dynamics =
-      AveragedDynamics(problem.modal, *problem.dynamics);
-  const std::vector<bool> in_use = ModesInUse(problem.modal, *problem.dynamics);
-  const ModalData used = OnlyModes(problem.modal, in_use);
+  const StructuralDynamics& dynamics = modes.dynamics();
+  const std::vector<bool>& in_use = modes.in_use();
   std::vector<ModeMatch> initial, updated;
   std::string error;
-  if (!MatchModes(used,
+  if (!MatchModes(modes.data(),
                   dynamics.CorrectedModel(
                       prior_parameters.head(dynamics.num_parameters())),
                   &initial, &error) ||
       !MatchModes(
-          used,
+          modes.data(),
           dynamics.CorrectedModel(parameters.head(dynamics.num_parameters())),
           &updated, &error)) {
     return;
   }
   summary->num_model_modes = dynamics.num_dofs();
   size_t next = 0;
-  for (size_t i = 0; i < problem.modal.modes.size(); ++i) {
-    const MeasuredMode& mode = problem.modal.modes[i];
+  for (size_t i = 0; i < measured.modes.size(); ++i) {
+    const MeasuredMode& mode = measured.modes[i];
     ModeScore score{mode.name, mode.frequency, {}, {}};
     if (in_use[i]) {
       score.initial = initial[next];
@@ -66,10 +64,9 @@ std::string ModesLeftOut(const std::vector<ModeScore>& modes) {
 
 // Returns half the sum of squares of the modal residuals; infinite if they
 // cannot be evaluated.
-double ModalCostAt(const Vector& parameters, const ParameterLayout& layout,
-                   ModalCost* modes) {
+double ModalCostAt(const Vector& free, ModalCost* modes) {
   double cost = 0.0;
-  return modes->Evaluate(layout.Free(parameters), &cost) ? cost : kInfinity;
+  return modes->Evaluate(free, &cost) ? cost : kInfinity;
 }
 
 // Returns the number of modal residuals beyond those that a fit to modes alone
@@ -181,13 +178,14 @@ void ReportModes(const IdentificationProblem& problem,
                  ModalCost* modes, bool* known, CovarianceEstimate* covariance,
                  FitSummary* summary) {
   const Vector initial = layout.InitialValues();
-  ScoreModes(problem, initial, parameters, summary);
-  summary->initial_modal_cost = ModalCostAt(initial, layout, modes);
-  summary->final_modal_cost = ModalCostAt(parameters, layout, modes);
+  const Vector free = layout.Free(parameters);
+  ScoreModes(problem.modal, *modes, initial, parameters, summary);
+  summary->initial_modal_cost = ModalCostAt(layout.Free(initial), modes);
+  summary->final_modal_cost = ModalCostAt(free, modes);
   const std::string left_out = ModesLeftOut(summary->modes);
   if (!left_out.empty()) summary->remarks.push_back(left_out);
   if (*known && problem.num_train_records() == 0 && !problem.HasSpectra()) {
-    JudgeModes(layout.Free(parameters), modes, known, covariance, summary);
+    JudgeModes(free, modes, known, covariance, summary);
   }
 }
 

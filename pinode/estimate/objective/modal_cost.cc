@@ -105,7 +105,8 @@ std::vector<bool> ModesInUse(const ModalData& data,
 ModalCost::ModalCost(const ModalData& data, const StructuralDynamics& dynamics,
                      const ParameterLayout& layout)
     : dynamics_(AveragedDynamics(data, dynamics)),
-      data_(OnlyModes(data, ModesInUse(data, dynamics))),
+      in_use_(ModesInUse(data, dynamics)),
+      data_(OnlyModes(data, in_use_)),
       layout_(layout) {
   int num_residuals = 0;
   for (const MatrixChange& change : dynamics_.linear_dynamics().changes()) {

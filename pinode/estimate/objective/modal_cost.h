@@ -61,6 +61,12 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
   // Measured modes in use.
   const ModalData& data() const { return data_; }
 
+  // Marks of all measured modes: those in data().
+  const std::vector<bool>& in_use() const { return in_use_; }
+
+  // Dynamics during the measurement, AveragedDynamics.
+  const StructuralDynamics& dynamics() const { return dynamics_; }
+
   // Number of unknowns of the shapes that use up residuals.
   int num_eliminated() const { return num_eliminated_; }
 
@@ -134,6 +140,7 @@ class ModalCost final : public ceres::CostFunction, public CostPart {
                                 Matrix* jacobian) const;
 
   const StructuralDynamics dynamics_;  // averaged
+  const std::vector<bool> in_use_;     // per measured mode
   const ModalData data_;               // in use
   const ParameterLayout& layout_;
   std::vector<Column> columns_;
