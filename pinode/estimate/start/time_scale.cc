@@ -98,25 +98,17 @@ std::string LikelyUnit(const std::string& unit, double periods, double wanted) {
   return "another unit";
 }
 
-std::string ReadIn(const IdentificationProblem& problem,
-                   const IdentificationRecord& record) {
-  return "its times were read in " + TimeUnitOf(problem, record) +
-         " (time_unit: s, ms or us)";
+std::string ReadIn(const std::string& unit) {
+  return "its times were read in " + unit + " (time_unit: s, ms or us)";
 }
 
-std::string Question(const IdentificationProblem& problem,
-                     const IdentificationRecord& record, double periods,
-                     double wanted) {
-  return ReadIn(problem, record) + ". Check whether they are in " +
-         LikelyUnit(TimeUnitOf(problem, record), periods, wanted) + ".";
+std::string Question(const std::string& unit, double periods, double wanted) {
+  return ReadIn(unit) + ". Check whether they are in " +
+         LikelyUnit(unit, periods, wanted) + ".";
 }
 
-std::string Mode(const IdentificationProblem& problem, const char* which,
-                 double frequency) {
-  return std::string(which) + " mode (" +
-         FormatNumber(problem.description.HzPerModelFrequency() * frequency,
-                      4) +
-         " Hz)";
+std::string Mode(const char* which, double hertz) {
+  return std::string(which) + " mode (" + FormatNumber(hertz, 4) + " Hz)";
 }
 
 }  // namespace
@@ -147,13 +139,14 @@ bool IsTimeScalePossible(const IdentificationProblem& problem,
       fastest = frequencies.back();
     }
     if (!(duration * fastest < kNothingSwings)) continue;
-    *error =
-        "record '" + record.name + "' lasts " +
-        FormatNumber(duration * fastest, 2) + " periods of the model's " +
-        Mode(problem, "fastest", fastest) +
-        ", too few for any vibration: " + ReadIn(problem, record) +
-        ", but are probably in " +
-        LikelyUnit(TimeUnitOf(problem, record), duration * slowest, kLikely);
+    const std::string unit = TimeUnitOf(problem, record);
+    const double hertz = problem.description.HzPerModelFrequency() * fastest;
+    *error = "record '" + record.name + "' lasts " +
+             FormatNumber(duration * fastest, 2) + " periods of the model's " +
+             Mode("fastest", hertz) +
+             ", too few for any vibration: " + ReadIn(unit) +
+             ", but are probably in " +
+             LikelyUnit(unit, duration * slowest, kLikely);
     return false;
   }
   return true;
@@ -172,21 +165,22 @@ std::vector<std::string> TimeScaleRemarks(
   if (frequencies.empty()) return remarks;
   const double slowest = frequencies.front();
   const double further = HasOtherTerms(dynamics) ? kOtherTerms : 1.0;
+  const std::string mode = Mode(
+      "slowest elastic", problem.description.HzPerModelFrequency() * slowest);
   for (const IdentificationRecord& record : problem.records) {
     if (!problem.IsDriven(record)) continue;
     const double lasts = DurationOf(record) * slowest;
     const double apart = record.sampling_step() * slowest;
+    const std::string unit = TimeUnitOf(problem, record);
     if (lasts < kShort / further) {
       remarks.push_back("Record '" + record.name + "' lasts " +
                         FormatNumber(lasts, 2) + " periods of the model's " +
-                        Mode(problem, "slowest elastic", slowest) + ": " +
-                        Question(problem, record, lasts, kLikely));
+                        mode + ": " + Question(unit, lasts, kLikely));
     } else if (apart > kSparse * further) {
       remarks.push_back("Record '" + record.name + "': one sampling step is " +
                         FormatNumber(apart, 2) + " periods of the model's " +
-                        Mode(problem, "slowest elastic", slowest) +
-                        ". This is right for a slow test only; " +
-                        Question(problem, record, apart, kLikelyApart));
+                        mode + ". This is right for a slow test only; " +
+                        Question(unit, apart, kLikelyApart));
     }
   }
   return remarks;
