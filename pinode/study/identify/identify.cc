@@ -163,7 +163,14 @@ class MainJob {
     const auto add = [&findings](std::vector<Finding> more) {
       std::move(more.begin(), more.end(), std::back_inserter(findings));
     };
-    if (findings.empty()) add(CheckMeasuredFrequencies(problem_, fit_));
+    // Frequencies far off say more than that the initial model was as good.
+    if (std::all_of(findings.begin(), findings.end(),
+                    [](const Finding& finding) {
+                      return finding.check == "modes_not_met_better";
+                    })) {
+      std::vector<Finding> far = CheckMeasuredFrequencies(problem_, fit_);
+      if (!far.empty()) findings = std::move(far);
+    }
     const bool sound = findings.empty();
     add(std::move(of_steps));
     Explained explained;
