@@ -1,12 +1,11 @@
 #include "pinode/base/text_encoding.h"
 
-#include <iconv.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <cstdint>
 #include <utility>
 
+#include "pinode/base/encoding_guess.h"
 #include "pinode/base/file.h"
 #include "pinode/base/logging.h"
 
@@ -17,16 +16,26 @@ bool BeginsWith(const std::string& text, const std::string& mark) {
   return text.compare(0, mark.size(), mark) == 0;
 }
 
-// Returns "UTF-16LE" or "UTF-16BE" for a text without a mark whose bytes of
-// one parity are nearly all zero, as ASCII in UTF-16 has them.
+// True for bytes that are letters, digits or blanks of Latin-1.
+bool IsPrintableOrBlank(char c) {
+  return (c >= ' ' && c <= '~') || static_cast<unsigned char>(c) >= 0xA0 ||
+         c == '\t' || c == '\r' || c == '\n';
+}
+
+// Returns "UTF-16LE" or "UTF-16BE" for a text without a mark whose bytes of one
+// parity are mostly zero, as ASCII in UTF-16 has them; else "". Names in other
+// letters may be among them.
 std::string Utf16WithoutMark(const std::string& text) {
-  const size_t size = std::min<size_t>(text.size(), 4096);
+  const size_t size = std::min<size_t>(text.size(), 4096) / 2 * 2;
   if (size < 4) return "";
   std::array<size_t, 2> zeros = {0, 0};
   for (size_t i = 0; i < size; ++i) {
-    if (text[i] == '\0') ++zeros[i % 2];
+    if (text[i] != '\0') continue;
+    // Binary numbers have zeros beside bytes that are no letters.
+    if (!IsPrintableOrBlank(text[i % 2 == 0 ? i + 1 : i - 1])) return "";
+    ++zeros[i % 2];
   }
-  const size_t most = size / 2 - size / 20;
+  const size_t most = size / 4;
   if (zeros[1] >= most && zeros[0] == 0) return "UTF-16LE";
   if (zeros[0] >= most && zeros[1] == 0) return "UTF-16BE";
   return "";
@@ -34,76 +43,89 @@ std::string Utf16WithoutMark(const std::string& text) {
 
 bool Convert(const std::string& encoding, std::string* text,
              std::string* error) {
-  const iconv_t converter = iconv_open("UTF-8", encoding.c_str());
-  // iconv_open returns this value on failure.
-  if (converter == reinterpret_cast<iconv_t>(-1)) {
+  std::string converted;
+  int64_t place = 0;
+  if (ConvertByIconv(encoding, *text, &converted, &place)) {
+    *text = std::move(converted);
+    return true;
+  }
+  if (place < 0) {
     *error = "encoding '" + encoding +
              "' is not known, expected a name that iconv knows, such as "
-             "UTF-8, ISO-8859-1, WINDOWS-1252, SHIFT_JIS or UTF-16LE";
+             "UTF-8, WINDOWS-1252, WINDOWS-1251, GB18030, SHIFT_JIS, EUC-KR "
+             "or UTF-16LE";
     return false;
   }
-  std::string converted;
-  converted.reserve(text->size() + text->size() / 8);
-  char* from = text->data();
-  size_t left = text->size();
-  bool ok = true;
-  std::array<char, 1 << 14> buffer;
-  while (ok && left > 0) {
-    char* to = buffer.data();
-    size_t room = buffer.size();
-    const size_t status = iconv(converter, &from, &left, &to, &room);
-    converted.append(buffer.data(), buffer.size() - room);
-    ok = status != static_cast<size_t>(-1) || errno == E2BIG;
+  const auto lines = std::count(converted.begin(), converted.end(), '\n') + 1;
+  *error = "byte " + std::to_string(place + 1) + " (line " +
+           std::to_string(lines) + ") is not text in " + encoding +
+           "; set `encoding` to that of the file";
+  return false;
+}
+
+// Converts a text of a guessed encoding. Its rest may have other bytes than its
+// beginning: then Western Europe's encoding, in which all are letters.
+void ConvertGuess(std::string* text, TextEncoding* found) {
+  const EncodingGuess guess = GuessEncoding(*text);
+  found->is_guess = true;
+  found->name = guess.name;
+  found->other = guess.other;
+  found->is_unsure = guess.is_unsure;
+  std::string unused;
+  if (Convert(found->name, text, &unused)) return;
+  found->is_unsure = true;
+  found->other.clear();
+  for (const char* name : {"WINDOWS-1252", "ISO-8859-1"}) {
+    found->name = name;
+    if (Convert(name, text, &unused)) return;
   }
-  iconv_close(converter);
-  if (!ok) {
-    const size_t place = text->size() - left;
-    const auto lines = std::count(converted.begin(), converted.end(), '\n') + 1;
-    *error = "byte " + std::to_string(place + 1) + " (line " +
-             std::to_string(lines) + ") is not text in " + encoding +
-             "; set `encoding` to that of the file";
-    return false;
-  }
-  *text = std::move(converted);
-  return true;
 }
 
 }  // namespace
 
+std::string TextEncoding::AsText() const {
+  if (!is_guess) return name;
+  if (!other.empty()) {
+    return name + " or " + other +
+           ", read as the first: set `encoding` if names look wrong";
+  }
+  if (is_unsure) {
+    return name +
+           ", a guess from too few letters: set `encoding` if names look wrong";
+  }
+  return name + " (a guess)";
+}
+
 bool ConvertToUtf8(const std::string& encoding, std::string* text,
-                   std::string* found, bool* is_guess, std::string* error) {
+                   TextEncoding* found, std::string* error) {
   CHECK(text != nullptr);
   CHECK(found != nullptr);
-  CHECK(is_guess != nullptr);
   CHECK(error != nullptr);
-  *is_guess = false;
+  *found = TextEncoding();
   std::string mark_says;
   if (BeginsWith(*text, "\xEF\xBB\xBF")) mark_says = "UTF-8";
   if (BeginsWith(*text, "\xFF\xFE")) mark_says = "UTF-16LE";
   if (BeginsWith(*text, "\xFE\xFF")) mark_says = "UTF-16BE";
   if (!mark_says.empty()) text->erase(0, mark_says == "UTF-8" ? 3 : 2);
-  *found = !encoding.empty()    ? encoding
-           : !mark_says.empty() ? mark_says
-                                : Utf16WithoutMark(*text);
-  if (found->empty() && text->find('\0') != std::string::npos) {
+  std::string name = !encoding.empty()    ? encoding
+                     : !mark_says.empty() ? mark_says
+                                          : Utf16WithoutMark(*text);
+  if (name.empty() && text->find('\0') != std::string::npos) {
     *error =
         "is a binary file; expected text, or an extension of a known format "
         "(.mat, .npy, .npz, .h5, .uff, .unv, .at2)";
     return false;
   }
-  if (found->empty() || *found == "UTF-8") {
-    *found = "UTF-8";
+  if (name.empty() || name == "UTF-8") {
     if (FirstInvalidUtf8(*text) == std::string::npos) return true;
     if (encoding.empty() && mark_says.empty()) {
-      *found = "WINDOWS-1252";
-      *is_guess = true;
-      // Five bytes mean nothing in Windows-1252.
-      if (text->find_first_of("\x81\x8D\x8F\x90\x9D") != std::string::npos) {
-        *found = "ISO-8859-1";
-      }
+      ConvertGuess(text, found);
+      return true;
     }
   }
-  return Convert(*found, text, error);
+  if (name.empty()) name = "UTF-8";
+  found->name = name;
+  return Convert(name, text, error);
 }
 
 }  // namespace pinode

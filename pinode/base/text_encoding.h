@@ -7,23 +7,35 @@
 
 namespace pinode {
 
+// Encoding that a text was converted from.
+struct TextEncoding {
+  // Name, as iconv knows it.
+  std::string name = "UTF-8";
+  // True if letters beyond ASCII may be others. Numbers and delimiters are the
+  // same in all encodings that are guessed.
+  bool is_guess = false;
+  // Another encoding that is about as likely; empty: none is known.
+  std::string other;
+  // True if the letters look wrong, or are too few to tell.
+  bool is_unsure = false;
+
+  // Returns what to tell a user: "WINDOWS-1252 (a guess)", or with the key that
+  // decides.
+  std::string AsText() const;
+};
+
 // Converts *text to UTF-8 and drops a byte order mark. `encoding` is a name
 // that iconv knows; empty: it is found by these rules, in this order:
 //
 //   1. a byte order mark (UTF-8, UTF-16),
-//   2. zeros in nearly every second byte: UTF-16,
+//   2. zeros in most bytes of one parity: UTF-16,
 //   3. valid UTF-8 is UTF-8,
-//   4. else Windows-1252, which is Latin-1 with a few more characters.
-//
-// Rule 4 is a guess, and concerns letters beyond ASCII only: delimiters and
-// numbers are the same in all encodings of one byte. *found is the encoding's
-// name, and *is_guess says that rule 4 was used.
+//   4. else the guess of GuessEncoding().
 //
 // Fails for an unknown encoding, for bytes that are not text in it, and for
 // binary files. *error has no path.
 [[nodiscard]] bool ConvertToUtf8(const std::string& encoding, std::string* text,
-                                 std::string* found, bool* is_guess,
-                                 std::string* error);
+                                 TextEncoding* found, std::string* error);
 
 }  // namespace pinode
 

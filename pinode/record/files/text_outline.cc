@@ -253,10 +253,9 @@ bool ParseTextOutline(std::string text, const std::string& path,
       text.resize(end + (text[end + 1] == '\0' ? 2 : 1));
     }
   }
-  std::string encoding;
+  TextEncoding encoding;
   std::string what;
-  bool is_guess = false;
-  if (!ConvertToUtf8(format.encoding, &text, &encoding, &is_guess, &what)) {
+  if (!ConvertToUtf8(format.encoding, &text, &encoding, &what)) {
     *error = path + ": " + what;
     return false;
   }

@@ -54,17 +54,13 @@ class TextTableReader {
         error_(error) {}
 
   bool Read(Table* table) {
-    bool is_guess = false;
-    std::string encoding;
     std::string what;
-    if (!ConvertToUtf8(format_.encoding, &text_, &encoding, &is_guess, &what)) {
+    if (!ConvertToUtf8(format_.encoding, &text_, &encoding_, &what)) {
       *error_ = path_ + ": " + what;
       return false;
     }
     LinesOfCarriageReturns(&text_);
-    if (encoding != "UTF-8") {
-      said_ = "text in " + encoding + (is_guess ? " (a guess)" : "");
-    }
+    if (encoding_.name != "UTF-8") said_ = "text in " + encoding_.AsText();
     if (!FindTextLayout(text_, path_, format_, &layout_, &what)) {
       return ReadWithoutLayout(what, table);
     }
@@ -84,6 +80,16 @@ class TextTableReader {
   bool Fail(int64_t line, const std::string& message) {
     *error_ = path_ + ":" + std::to_string(line) + ": " + message;
     return false;
+  }
+
+  // Reports a column that is not found. Its name may be garbled.
+  bool FailOnName(int64_t line, const std::string& message) {
+    return Fail(line,
+                message + (encoding_.is_guess
+                               ? "; the text is read as " + encoding_.name +
+                                     ", which is a guess: set "
+                                     "`encoding` if names look wrong"
+                               : ""));
   }
 
   void Say(const std::string& text) {
@@ -119,7 +125,7 @@ class TextTableReader {
     if (!format_.time_column.empty() &&
         (wanted_.empty() || HasName(format_.time_column, wanted_))) {
       time_ = layout_.FindColumn(format_.time_column, &what);
-      if (time_ < 0) return Fail(line, what);
+      if (time_ < 0) return FailOnName(line, what);
       parts_ = FindTimeParts(layout_, format_, time_);
     }
     if (wanted_.empty()) {
@@ -138,7 +144,7 @@ class TextTableReader {
     for (const std::string& name : wanted_) {
       if (HasName(name, table_.columns)) continue;
       const int place = layout_.FindColumn(name, &what);
-      if (place < 0) return Fail(line, what);
+      if (place < 0) return FailOnName(line, what);
       places_.push_back(place);
       table_.columns.push_back(name);
     }
@@ -479,6 +485,7 @@ class TextTableReader {
   std::string text_;
   const std::string& path_;
   const std::vector<std::string>& wanted_;
+  TextEncoding encoding_;
   const TextFormat& format_;
   std::string* error_;
   TextLayout layout_;

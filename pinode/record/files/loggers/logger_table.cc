@@ -104,10 +104,9 @@ bool ParseLoggedFile(const std::string& bytes, const std::string& path,
   std::string text;
   if (IsLoggerText(format)) {
     text = bytes;
-    std::string encoding;
+    TextEncoding encoding;
     std::string what;
-    bool is_guess = false;
-    if (!ConvertToUtf8("", &text, &encoding, &is_guess, &what)) {
+    if (!ConvertToUtf8("", &text, &encoding, &what)) {
       *error = path + ": " + what;
       return false;
     }

@@ -1,0 +1,160 @@
+#include "pinode/base/encoding_guess.h"
+
+#include <iconv.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/base/text_encoding.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Bytes of a text of UTF-8 in another encoding.
+std::string In(const std::string& encoding, std::string text) {
+  const iconv_t converter = iconv_open(encoding.c_str(), "UTF-8");
+  std::string bytes(4 * text.size() + 8, ' ');
+  char* from = text.data();
+  char* to = bytes.data();
+  size_t left = text.size();
+  size_t room = bytes.size();
+  EXPECT_EQ(iconv(converter, &from, &left, &to, &room), 0u) << encoding;
+  iconv_close(converter);
+  bytes.resize(bytes.size() - room);
+  return bytes;
+}
+
+// Text of a logger: a header and rows.
+std::string Logger(const std::string& header) {
+  std::string text = header + "\r\n";
+  for (int i = 0; i < 50; ++i) text += std::to_string(i) + ",1.23,4.56\r\n";
+  return text;
+}
+
+// Name and text that come out of a header in an encoding.
+TextEncoding Found(const std::string& encoding, const std::string& header) {
+  std::string text = In(encoding, Logger(header));
+  std::string error;
+  TextEncoding found;
+  EXPECT_TRUE(ConvertToUtf8("", &text, &found, &error)) << error;
+  EXPECT_EQ(text, Logger(header)) << found.name;
+  return found;
+}
+
+// True if the library was built with uchardet.
+bool HasDetector() {
+  return GuessEncoding(In("WINDOWS-1251", "Время [с];Ускорение")).name ==
+         "WINDOWS-1251";
+}
+
+class EncodingGuessTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HasDetector()) GTEST_SKIP() << "built without uchardet";
+  }
+};
+
+TEST_F(EncodingGuessTest, FindsCyrillic) {
+  for (const char* encoding :
+       {"WINDOWS-1251", "KOI8-R", "IBM866", "ISO-8859-5"}) {
+    for (const char* header :
+         {"Время [с];Ускорение X [м/с^2];Ускорение Y [м/с^2]",
+          "Ускорение [м/с^2]"}) {
+      const TextEncoding found = Found(encoding, header);
+      EXPECT_EQ(found.name, encoding);
+      EXPECT_EQ(found.AsText(), std::string(encoding) + " (a guess)");
+    }
+  }
+  EXPECT_EQ(Found("KOI8-R", "Ускорение [м/с²]").name, "KOI8-R");
+  // A word beside Latin letters, which the detector takes for Greek.
+  EXPECT_EQ(Found("KOI8-R", "t;Канал 1;Канал 2").name, "KOI8-R");
+  EXPECT_EQ(Found("WINDOWS-1251", "t;Канал 1;Канал 2").name, "WINDOWS-1251");
+}
+
+TEST_F(EncodingGuessTest, FindsChineseJapaneseAndKorean) {
+  EXPECT_EQ(Found("GB18030", "时间,加速度(gal),位移(mm)").name, "GB18030");
+  EXPECT_EQ(Found("GBK", "加速度(gal)").name, "GB18030");
+  EXPECT_EQ(Found("BIG5", "時間,加速度,位移,速度").name, "BIG5");
+  EXPECT_EQ(Found("SHIFT_JIS", "時刻,加速度(gal)").name, "SHIFT_JIS");
+  EXPECT_EQ(Found("EUC-JP", "時刻,加速度(gal)").name, "EUC-JP");
+  EXPECT_EQ(Found("EUC-KR", "시간(초),가속도 X,가속도 Y,변위").name, "UHC");
+  EXPECT_EQ(Found("EUC-KR", "가속도").name, "UHC");
+}
+
+TEST_F(EncodingGuessTest, FindsCentralEuropeAndGreece) {
+  EXPECT_EQ(
+      Found("WINDOWS-1250", "Czas [s];Przyspieszenie środek;Ugięcie").name,
+      "WINDOWS-1250");
+  EXPECT_EQ(Found("ISO-8859-2", "Łata;Ścieżka;Przyśpieszenie").name,
+            "ISO-8859-2");
+  EXPECT_EQ(Found("WINDOWS-1253", "Χρόνος [s];Επιτάχυνση [m/s²]").name,
+            "WINDOWS-1253");
+  EXPECT_EQ(Found("WINDOWS-1254", "Zaman;İvme [m/s²];Işık şiddeti").name,
+            "WINDOWS-1254");
+}
+
+// Files of Western Europe are by far the most frequent ones. A detector alone
+// takes "²" for a letter of Lappland.
+TEST(EncodingGuessWestTest, WesternEuropeStaysItself) {
+  for (const char* header :
+       {"Zeit [s];a [m/s²]", "m/s²", "T [°C];Dehnung [µm/m]", "Wägung",
+        "Zeit;Beschleunigung längs [m/s²]", "Tiempo;Aceleración [m/s²]",
+        "Temps (s);Accélération;Déplacement", "Velocità;Intensità",
+        "Fréquence;à zéro;Éclairement;Vérin arrière", "Måling;Bølge",
+        "Aceleração;Posição;Vibração", "Versnelling één", "Läge;Mätning",
+        "Siirtymä;Värähtely;Jännitys", "t;Beschl. ü1 Acc;Beschl. ü2 Acc",
+        "Ø 20;Ä;Ö"}) {
+    const TextEncoding found = Found("WINDOWS-1252", header);
+    EXPECT_EQ(found.AsText(), "WINDOWS-1252 (a guess)") << header;
+  }
+}
+
+TEST_F(EncodingGuessTest, SaysWhatItCannotTell) {
+  // Polish or Icelandic: every letter is one in both.
+  std::string text =
+      In("WINDOWS-1250", "Vrijeme;Ubrzanje;Pomak čvora;Točka\n1;2;3;4\n");
+  TextEncoding found;
+  std::string error;
+  ASSERT_TRUE(ConvertToUtf8("", &text, &found, &error));
+  EXPECT_EQ(found.AsText(),
+            "WINDOWS-1250 or WINDOWS-1252, read as the first: set `encoding` "
+            "if names look wrong");
+  // Capitals in KOI8-R are small letters in Windows-1251.
+  text = In("KOI8-R", "ВРЕМЯ;УСКОРЕНИЕ\n1;2\n");
+  ASSERT_TRUE(ConvertToUtf8("", &text, &found, &error));
+  EXPECT_THAT(found.AsText(), HasSubstr("KOI8-R"));
+  EXPECT_THAT(found.AsText(), HasSubstr("WINDOWS-1251"));
+  // Two signs are too few.
+  text = In("SHIFT_JIS", "時刻\n1\n2\n");
+  ASSERT_TRUE(ConvertToUtf8("", &text, &found, &error));
+  EXPECT_TRUE(found.is_unsure);
+  EXPECT_THAT(found.AsText(), HasSubstr("set `encoding`"));
+}
+
+TEST(OddnessTest, WordsThatMixScriptsAreOdd) {
+  EXPECT_EQ(Oddness("Wägung;Ускорение X;加速度(gal);a [m/s²];µm;°C"), 0);
+  EXPECT_GT(Oddness("Wдgung"), 0);
+  EXPECT_GT(Oddness("m/sІ"), 0);
+  EXPECT_GT(Oddness("Óñêîðåíèå"), 0);
+  EXPECT_GT(Oddness("хУЙПТЕОЙЕ"), 0);
+  EXPECT_GT(Oddness("¼ÓËÙ¶È"), 0);
+}
+
+TEST(ConvertByIconvTest, NamesThePlace) {
+  std::string converted;
+  int64_t place = 0;
+  EXPECT_TRUE(ConvertByIconv("WINDOWS-1251", "a\xE0", &converted, &place));
+  EXPECT_EQ(converted, "aа");
+  EXPECT_FALSE(ConvertByIconv("UTF-8", "ab\xFF", &converted, &place));
+  EXPECT_EQ(place, 2);
+  EXPECT_FALSE(ConvertByIconv("no such", "a", &converted, &place));
+  EXPECT_EQ(place, -1);
+}
+
+}  // namespace
+}  // namespace pinode
