@@ -60,7 +60,39 @@ constexpr Alias kAliases[] = {{"sec", "s"},
                               {"m/m", "1"},
                               {"mm/mm", "1"},
                               {"in/in", "1"},
-                              {"percent", "%"}};
+                              {"percent", "%"},
+                              // Russian symbols (GOST 8.417).
+                              {"м", "m"},
+                              {"см", "cm"},
+                              {"мм", "mm"},
+                              {"мкм", "um"},
+                              {"с", "s"},
+                              {"сек", "s"},
+                              {"мс", "ms"},
+                              {"мкс", "us"},
+                              {"мин", "min"},
+                              {"Гал", "gal"},
+                              {"гал", "gal"},
+                              {"мГал", "mgal"},
+                              {"Н", "N"},
+                              {"кН", "kN"},
+                              {"МН", "MN"},
+                              {"кгс", "kgf"},
+                              {"В", "V"},
+                              {"мВ", "mV"},
+                              {"мкВ", "uV"},
+                              // Chinese, Japanese and Korean.
+                              {"秒", "s"},
+                              {"毫秒", "ms"},
+                              {"ミリ秒", "ms"},
+                              {"초", "s"},
+                              {"米", "m"},
+                              {"毫米", "mm"},
+                              {"ガル", "gal"},
+                              {"㎜", "mm"},
+                              {"㎝", "cm"},
+                              {"㎨", "m/s^2"},
+                              {"㎧", "m/s"}};
 
 std::string ByAlias(const std::string& text) {
   const std::string lower = LowerCase(text);
@@ -137,6 +169,12 @@ std::string Quotient(std::string text) {
   return above + "/" + Word(below) + (square ? "^2" : "");
 }
 
+bool IsBeyondAscii(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x80;
+  });
+}
+
 bool EndsWith(std::string_view text, char c) {
   return !text.empty() && text.back() == c;
 }
@@ -209,11 +247,17 @@ void SplitUnitOfName(std::string_view text, std::string* name,
     if (!before.empty()) *name = std::string(before);
     return;
   }
-  for (const std::string_view joint : {" / ", " in "}) {
+  for (const std::string_view joint : {" / ", " in ", ", "}) {
     const size_t at = text.rfind(joint);
     if (at == std::string_view::npos || at == 0) continue;
-    const std::string known = CanonicalUnit(text.substr(at + joint.size()));
+    const std::string_view end = text.substr(at + joint.size());
+    const std::string known = CanonicalUnit(end);
     if (known.empty() || known == "1") continue;
+    // "Время, с" is usual in Russian; "acc, N" is a direction.
+    if (joint == ", " && !IsBeyondAscii(end) &&
+        end.find('/') == std::string_view::npos) {
+      continue;
+    }
     *unit = known;
     *name = std::string(StripBlanks(text.substr(0, at)));
     return;

@@ -76,6 +76,30 @@ TEST(UnitNamesTest, SplitsNames) {
   }
 }
 
+TEST(UnitNamesTest, KnowsSymbolsInOtherScripts) {
+  for (const auto& [text, unit] :
+       {std::pair("м/с²", "m/s^2"), std::pair("м/с^2", "m/s^2"),
+        std::pair("м/с2", "m/s^2"), std::pair("мм/с", "mm/s"),
+        std::pair("мм", "mm"), std::pair("мкм", "um"), std::pair("с", "s"),
+        std::pair("мс", "ms"), std::pair("Гал", "gal"), std::pair("кН", "kN"),
+        std::pair("МН", "MN"), std::pair("毫米", "mm"), std::pair("秒", "s"),
+        std::pair("초", "s"), std::pair("㎨", "m/s^2")}) {
+    EXPECT_EQ(CanonicalUnit(text), unit) << text;
+  }
+  // Millinewton is not in the table, and "г" is a gram.
+  EXPECT_EQ(CanonicalUnit("мН"), "");
+  EXPECT_EQ(CanonicalUnit("г"), "");
+  std::string name;
+  std::string unit;
+  SplitUnitOfName("Ускорение, м/с²", &name, &unit);
+  EXPECT_EQ(name, "Ускорение");
+  EXPECT_EQ(unit, "m/s^2");
+  // A direction, North.
+  SplitUnitOfName("acc, N", &name, &unit);
+  EXPECT_EQ(name, "acc, N");
+  EXPECT_EQ(unit, "");
+}
+
 // A factor of 1000 lies between g and mg.
 TEST(UnitNamesTest, FactorsOfLoggerUnits) {
   const UnitSystem si;

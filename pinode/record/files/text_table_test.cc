@@ -104,6 +104,29 @@ TEST(TextTableTest, GermanLogger) {
   EXPECT_THAT(table.reading, HasSubstr("0 s is 2024-03-01 12:00:00"));
 }
 
+TEST(TextTableTest, RussianLogger) {
+  // Windows-1251: "Время [с];Ускорение [м/с^2]".
+  const std::string text =
+      "\xC2\xF0\xE5\xEC\xFF [\xF1];"
+      "\xD3\xF1\xEA\xEE\xF0\xE5\xED\xE8\xE5 [\xEC/\xF1^2]\n"
+      "0,000;0,5\n0,005;-1,5\n0,010;2,5\n";
+  TextFormat format;
+  format.encoding = "WINDOWS-1251";
+  const Table table = ParseText(text, format);
+  EXPECT_THAT(table.columns, ElementsAre("Время [с]", "Ускорение [м/с^2]"));
+  EXPECT_THAT(table.units, ElementsAre("s", "m/s^2"));
+  EXPECT_EQ(table.values(1, 1), -1.5);
+  EXPECT_THAT(table.reading, HasSubstr("text in WINDOWS-1251,"));
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(ParseTextOutline(text, "f.csv", format, &outline, &error));
+  EXPECT_EQ(outline.time_column, 0);
+  // A name that is not found may be garbled by the guess.
+  Table none;
+  EXPECT_FALSE(ParseTextTable(text, "f.csv", {"\xC3\xBC"}, {}, &none, &error));
+  EXPECT_THAT(error, HasSubstr("set `encoding` if names look wrong"));
+}
+
 TEST(TextTableTest, ColumnsAreFoundWithoutTheirUnits) {
   Table table;
   std::string error;

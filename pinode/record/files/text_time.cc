@@ -167,12 +167,15 @@ bool IsNameOfTime(const std::string& name) {
   }
   ReplaceAll("_", " ", &lower);
   for (const char* known :
-       {"t",          "time",         "times",     "zeit",          "timestamp",
-        "time stamp", "zeitstempel",  "datetime",  "date time",     "date/time",
-        "datum/zeit", "uhrzeit",      "temps",     "tiempo",        "tempo",
-        "elapsed",    "elapsed time", "rel. time", "relative time", "x value",
-        "ms",         "us",           "msec",      "usec",          "sec",
-        "seconds",    "milliseconds"}) {
+       {"t", "time", "times", "zeit", "timestamp", "time stamp", "zeitstempel",
+        "datetime", "date time", "date/time", "datum/zeit", "uhrzeit", "temps",
+        "tiempo", "tempo", "elapsed", "elapsed time", "rel. time",
+        "relative time", "x value", "ms", "us", "msec", "usec", "sec",
+        "seconds", "milliseconds",
+        // Other languages. The case of their letters stays as it is.
+        "czas", "tid", "tijd", "aika", "zaman", "čas", "Čas", "idő", "Idő",
+        "Время", "время", "ВРЕМЯ", "Час", "час", "Χρόνος", "χρόνος", "时间",
+        "時間", "時刻", "日時", "시간", "경과시간", "経過時間"}) {
     if (lower == known) return true;
   }
   return false;
