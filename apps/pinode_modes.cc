@@ -16,11 +16,13 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "apps/fit_flags.h"
 #include "apps/launcher.h"
 #include "apps/print.h"
 #include "apps/program.h"
+#include "apps/text_flags.h"
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/parallel_for.h"
@@ -99,6 +101,13 @@ bool CheckFlags(std::string* error) {
   return CheckOutputFolder(FLAGS_output_dir, FLAGS_overwrite, false, error);
 }
 
+// Names of the flags that belong to --columns.
+std::vector<const char*> ColumnFlags() {
+  std::vector<const char*> names = {"quantities", "time", "sampling_rate_hz"};
+  for (const char* name : TextFlagNames()) names.push_back(name);
+  return names;
+}
+
 // Prints the modes of all records.
 int PrintModes(const ModesResult& result) {
   Print("%s\n", ModesAsText(result.merged).c_str());
@@ -111,7 +120,7 @@ int PrintModes(const ModesResult& result) {
 // Reads a case, or a single data file.
 bool ReadInput(ModesCase* c, std::string* error) {
   if (FLAGS_columns.empty()) {
-    for (const char* name : {"quantities", "time", "sampling_rate_hz"}) {
+    for (const char* name : ColumnFlags()) {
       if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
         *error = "--" + std::string(name) + " needs --columns";
         return false;
@@ -129,7 +138,8 @@ bool ReadInput(ModesCase* c, std::string* error) {
   }
   file.time_column = FLAGS_time;
   file.sampling_rate_hz = FLAGS_sampling_rate_hz;
-  return ReadModesDataFile(file, c, error);
+  return ReadTextFlags(&file.format, error) &&
+         ReadModesDataFile(file, c, error);
 }
 
 std::vector<std::string> Names(const std::string& flag) {
@@ -190,8 +200,9 @@ bool ReadAndFind(ModesCase* c, FoundModes* found,
     NameFrfs(*found, c);
     return true;
   }
-  for (const char* name :
-       {"columns", "quantities", "time", "sampling_rate_hz"}) {
+  std::vector<const char*> of_records = ColumnFlags();
+  of_records.push_back("columns");
+  for (const char* name : of_records) {
     if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
       *error = "--" + std::string(name) + " is for --case, not for --frf";
       return false;

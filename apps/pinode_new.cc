@@ -26,6 +26,7 @@
 #include "apps/launcher.h"
 #include "apps/print.h"
 #include "apps/program.h"
+#include "apps/text_flags.h"
 #include "pinode/base/file.h"
 #include "pinode/base/file_text.h"
 #include "pinode/case/draft/case_draft.h"
@@ -33,6 +34,8 @@
 #include "pinode/case/results/case_check.h"
 #include "pinode/case/results/check_files.h"
 #include "pinode/case/results/result_folder.h"
+
+DECLARE_string(time_unit);
 
 DEFINE_string(case, "case.toml",
               "case file to write; the file for --later has the same name "
@@ -92,7 +95,6 @@ DEFINE_string(unit, "",
               "m/s^2, mm/s^2, g, mg or gal");
 DEFINE_string(time, "",
               "column of the time; empty: found by its name or clock times");
-DEFINE_string(time_unit, "", "unit of the times, if the files do not state it");
 DEFINE_double(sampling_rate_hz, 0.0,
               "sampling rate of files without a time column");
 DEFINE_string(title, "", "title of the case");
@@ -179,7 +181,8 @@ bool MayWriteCase(const std::string& path, std::string* error) {
   return false;
 }
 
-bool CheckFlags(std::string* error) {
+bool CheckFlags(DraftRequest* request, std::string* error) {
+  if (!ReadTextFlags(&request->time.format, error)) return false;
   if (FLAGS_case.empty()) {
     *error = "--case is empty, expected the name of a file to write";
     return false;
@@ -376,7 +379,8 @@ int RunProgram(int argc, char** argv) {
   DraftRequest request = RequestOfFlags(logs);
   std::vector<CaseDraft> drafts;
   std::vector<CheckedDraft> checked;
-  if (!CheckFlags(&error) || !DraftWithAnswers(&request, &drafts, &error) ||
+  if (!CheckFlags(&request, &error) ||
+      !DraftWithAnswers(&request, &drafts, &error) ||
       !CheckDrafts(drafts, CommandLine(argc, argv), &checked, &error)) {
     return Refuse(error);
   }

@@ -63,6 +63,43 @@ Refused "a9" --case=wind.csv.gz --columns=a1,a9 --sampling_rate_hz=100 \
 Refused "columns" --case=three_storey_ambient.toml --sampling_rate_hz=100 \
   --output_dir=E
 
+# A text file in a form that the flags state: every value is wrong without one.
+{
+  printf 'made by hand\nuhr|a1|a2|a3\n'
+  zcat wind.csv.gz | awk -F, '
+    NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; next }
+    {
+      s = sprintf("%.2f|%s|%s|%s", NR / 100, $at["a1"], $at["a2"], $at["a3"])
+      gsub(/\./, ",", s)
+      print s
+    }'
+} | iconv -t UTF-16LE >form.csv
+form=(--case=form.csv --columns=a1,a2,a3 --time=uhr)
+Run 0 pinode_modes "${form[@]}" --encoding=UTF-16LE --header_lines=2 \
+  --delimiter='|' --decimal=, --time_unit=s
+cp stdout expected
+# A tenth of the rate gives a tenth of the frequencies.
+Run 0 pinode_modes "${form[@]}" --time_unit=ms
+! cmp -s stdout expected || Fail "--time_unit changes nothing"
+printf 'uhr,a1\n' >clock.csv
+awk 'BEGIN { srand(1); for (i = 0; i < 3000; ++i)
+  printf "12h%02dm%02d.%02d,%.6f\n", i / 6000, int(i / 100) % 60, i % 100,
+    rand() - 0.5 }' >>clock.csv
+clock=(--case=clock.csv --columns=a1 --time=uhr --output_dir=E)
+"$programs/pinode_modes" "${clock[@]}" --time_format='%Hh%Mm%S.%f' \
+  >stdout 2>stderr || [[ $? -eq 1 ]] || Fail "--time_format is not used"
+rm -rf E
+Refused "'12h00m00.00' is not a number" "${clock[@]}"
+Refused "--delimiter=x, expected" "${clock[@]}" --delimiter=x
+Refused "--decimal=;, expected" "${clock[@]}" --decimal=';'
+Refused "--header_lines=-3, expected" "${clock[@]}" --header_lines=-3
+Refused "--time_unit: unit 'parsec' is not known" "${clock[@]}" \
+  --time_unit=parsec
+Refused "encoding 'no such' is not known" "${clock[@]}" --encoding='no such'
+Refused "has fewer lines than" "${clock[@]}" --header_lines=9000
+Refused "--encoding needs --columns" --case=three_storey_ambient.toml \
+  --encoding=UTF-8 --output_dir=E
+
 # The same motion seen along oblique directions: its modes at the DOFs, drawn.
 {
   echo o1,o2,a3

@@ -127,6 +127,17 @@ Refused "frame.toml exists; give --overwrite" before.csv "${frame[@]}" \
 cmp -s frame.toml kept.toml || Fail "the case has changed"
 Run 0 pinode_new before.csv "${frame[@]}" --case=frame.toml --overwrite
 echo '[units]' >own.toml
+# The form of the files goes into the case.
+Run 0 pinode_new before.csv "${frame[@]}" --case=form.toml --decimal=, \
+  --delimiter=';' --header_lines=5 --encoding=ISO-8859-1 \
+  --time_unit=s
+for line in 'decimal = ","' 'delimiter = ";"' 'header_lines = 5' \
+    'encoding = "ISO-8859-1"' 'time_unit = "s"'; do
+  grep -qF -- "$line" form.toml || Fail "form.toml lacks $line"
+done
+rm form.toml
+Refused "--delimiter=x, expected" before.csv "${frame[@]}" --case=E \
+  --delimiter=x
 Refused "was not written by pinode_new" before.csv "${frame[@]}" \
   --case=own.toml --overwrite
 [[ $(cat own.toml) == '[units]' ]] || Fail "a file of others was replaced"

@@ -78,6 +78,7 @@ struct DraftRecord {
   std::string time_column;
   std::string time_unit;
   double sampling_rate_hz = 0.0;    // without a time column
+  TextFormat format;                // as the user gave it
   LoadInterpolation interpolation;  // of base and forces
   std::vector<DraftSignal> base;    // none or one
   std::vector<DraftSignal> forces;

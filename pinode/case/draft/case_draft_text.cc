@@ -338,6 +338,10 @@ void AddRecord(const DraftRecord& record, const std::string& case_path,
       AppendLine("time_unit = " + TomlText(record.time_unit), "", out);
     }
   }
+  for (const auto& [key, value] : record.format.Keys()) {
+    AppendLine(key + " = " + (key == "header_lines" ? value : TomlText(value)),
+               "", out);
+  }
   if (record.base.empty() && record.forces.empty()) {
     AppendLine("excitation = \"ambient\"", "no load was measured", out);
   } else {

@@ -244,7 +244,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
     *log = std::move(result);
     return true;
   }
-  TextFormat format;
+  TextFormat format = options.format;
   format.time_column = options.time;
   format.time_unit = options.time_unit;
   TextOutline outline;

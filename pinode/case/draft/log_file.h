@@ -8,6 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
+#include "pinode/record/files/text_format.h"
 
 namespace pinode {
 
@@ -38,6 +39,9 @@ struct LogOptions {
   std::string time;
   std::string time_unit;
   double sampling_rate_hz = 0.0;
+  // Form of text files; what is not set is found. Its time and unit are those
+  // above.
+  TextFormat format;
   // Columns that are not read.
   std::vector<std::string> ignored;
 };

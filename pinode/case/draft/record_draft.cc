@@ -412,6 +412,7 @@ bool DraftRecordOf(const LogFile& log, const DraftRequest& request,
   record->time_column = log.time_column;
   record->time_unit = log.time_unit;
   record->sampling_rate_hz = log.sampling_rate_hz;
+  record->format = request.time.format;
   record->step = log.step;
   record->duration = log.duration();
   if (!AddForces(log, request, draft, record, error)) return false;

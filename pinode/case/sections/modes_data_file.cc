@@ -58,6 +58,14 @@ class DataFileReader {
       record.Set("sampling_rate_hz", TomlValue::Float(file_.sampling_rate_hz));
     } else {
       record.Set("time", TomlValue::String(time_));
+      if (!file_.format.time_unit.empty()) {
+        record.Set("time_unit", TomlValue::String(file_.format.time_unit));
+      }
+    }
+    for (const auto& [key, value] : file_.format.Keys()) {
+      record.Set(key, key == "header_lines"
+                          ? TomlValue::Integer(file_.format.header_lines)
+                          : TomlValue::String(value));
     }
     TomlValue channels = TomlValue::Array({});
     for (size_t i = 0; i < columns_.size(); ++i) {
@@ -104,6 +112,12 @@ class DataFileReader {
     return false;
   }
 
+  TextFormat FormatWithTime() const {
+    TextFormat format = file_.format;
+    format.time_column = file_.time_column;
+    return format;
+  }
+
   bool FindTime() {
     if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
       return Fail(
@@ -111,7 +125,7 @@ class DataFileReader {
           "them");
     }
     if (IsTextFile(file_.path) &&
-        !ReadTextOutline(file_.path, {}, &outline_, error_)) {
+        !ReadTextOutline(file_.path, FormatWithTime(), &outline_, error_)) {
       return false;
     }
     time_ = file_.time_column;

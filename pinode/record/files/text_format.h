@@ -4,6 +4,8 @@
 #define PINODE_RECORD_FILES_TEXT_FORMAT_H_
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace pinode {
 
@@ -27,6 +29,10 @@ struct TextFormat {
 
   // All fields in one text, to compare and pass them.
   std::string AsText() const;
+
+  // Keys of a record and their values: those of encoding, header lines,
+  // delimiter, decimal sign and format of times that are set.
+  std::vector<std::pair<std::string, std::string>> Keys() const;
 };
 
 }  // namespace pinode
