@@ -17,6 +17,7 @@ frame=data/frame
 apps/install_packages.sh apps/packages.txt
 
 jobs=$(nproc)
+apps/new_compiler.sh "$build"
 cmake --preset quickstart -DPINODE_UNITY_BATCH="$(apps/unity_batch.sh "$jobs")"
 cmake --build --preset quickstart --parallel "$jobs"
 

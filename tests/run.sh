@@ -51,6 +51,7 @@ for preset in release asan tsan; do
   if [[ $preset == release ]]; then
     unit_tests=OFF
   fi
+  apps/new_compiler.sh "build-$preset"
   cmake --preset "$preset" -DPINODE_PRECOMPILE="$precompile" \
     -DPINODE_UNIT_TESTS="$unit_tests" \
     -DPINODE_UNITY_LIBRARY=ON \

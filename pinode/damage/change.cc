@@ -275,6 +275,29 @@ bool Compare(const std::vector<GroupState>& healthy, const GroupState& current,
   return true;
 }
 
+// Standard deviations between baseline records, as fractions.
+Vector BetweenRecords(const Comparison& comparison) {
+  return comparison.pool.between.cwiseSqrt().cwiseQuotient(
+      comparison.healthy_value);
+}
+
+// Degrees of freedom of the differences. The variance between records comes
+// from few of them: those of its sum with the known covariance (F. E.
+// Satterthwaite, Biometrics Bull. 2 (1946) 110-114), for the group with the
+// fewest. Infinite if records do not differ.
+double DegreesOfFreedom(const Comparison& comparison, size_t num_baselines) {
+  const double baselines = static_cast<double>(num_baselines);
+  const Vector between = BetweenRecords(comparison);
+  double degrees = std::numeric_limits<double>::infinity();
+  for (Eigen::Index j = 0; j < between.size(); ++j) {
+    if (!(between[j] > 0.0)) continue;
+    const double share = between[j] * between[j] * (1.0 + 1.0 / baselines) /
+                         comparison.covariance(j, j);
+    degrees = std::min(degrees, (baselines - 1.0) / (share * share));
+  }
+  return degrees;
+}
+
 }  // namespace
 
 bool ChangeOptions::IsValid(std::string* error) const {
@@ -315,28 +338,12 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
   Comparison comparison;
   if (!Compare(healthy, current, options, &comparison, error)) return false;
   const Eigen::Index size = current.values.size();
-  const Pool& pool = comparison.pool;
-  const Vector& healthy_value = comparison.healthy_value;
   const Vector& difference = comparison.difference;
-  const Matrix& covariance = comparison.covariance;
   const Matrix& information = comparison.information;
   const Vector& right = comparison.right;
   estimate->has_between_records = healthy.size() > 1;
-  estimate->between_records =
-      pool.between.cwiseSqrt().cwiseQuotient(healthy_value);
-  // The variance between records comes from few of them. Degrees of freedom of
-  // its sum with the known covariance (F. E. Satterthwaite, Biometrics Bull. 2
-  // (1946) 110-114), for the group with the fewest.
-  double degrees = std::numeric_limits<double>::infinity();
-  for (int j = 0; j < size; ++j) {
-    const double between = estimate->between_records[j];
-    if (!(between > 0.0)) continue;
-    const double share = between * between *
-                         (1.0 + 1.0 / static_cast<double>(healthy.size())) /
-                         covariance(j, j);
-    degrees = std::min(
-        degrees, (static_cast<double>(healthy.size()) - 1.0) / (share * share));
-  }
+  estimate->between_records = BetweenRecords(comparison);
+  const double degrees = DegreesOfFreedom(comparison, healthy.size());
 
   std::vector<int> found;
   Vector p_values = Vector::Ones(size);
@@ -484,7 +491,7 @@ bool FindChangeInstead(const std::vector<GroupState>& healthy,
   change.change = variance.row(0).dot(right(without));
   change.sigma = std::sqrt(variance(0, 0));
   const double quantile =
-      StudentQuantile(std::numeric_limits<double>::infinity());
+      StudentQuantile(DegreesOfFreedom(comparison, healthy.size()));
   change.lower95 = change.change - quantile * change.sigma;
   change.upper95 = change.change + quantile * change.sigma;
   change.probability =

@@ -207,7 +207,8 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
 struct Findings {
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
       unsure, unexplained, hidden, doubted;
-  bool has_large_loss = false;  // among `damaged`
+  bool has_large_loss = false;     // among `damaged`
+  bool has_possible_loss = false;  // among `unsure`
   bool has_between_records = false;
   // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
@@ -352,6 +353,10 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
         }
         break;
       case Reason::kAmbiguous:
+        findings->has_possible_loss =
+            findings->has_possible_loss ||
+            (subjects[j].kind == ChangeKind::kStiffness &&
+             change.lower95 < -options.threshold);
         findings->unsure.push_back(Describe(subjects[j], change));
         break;
       case Reason::kModelError:
@@ -410,7 +415,7 @@ void Decide(const Findings& findings, const ChangeOptions& options,
           findings.probabilities + ".";
     }
   } else if (!findings.other.empty() && findings.doubted.empty() &&
-             findings.hidden.empty()) {
+             findings.hidden.empty() && !findings.has_possible_loss) {
     judgement->verdict = DamageVerdict::kOtherChange;
     judgement->sentence = "No loss of stiffness, but " + OtherChanges(findings);
   } else if (!findings.missed.empty()) {
@@ -430,7 +435,8 @@ void Decide(const Findings& findings, const ChangeOptions& options,
 
 void AddDetails(const Findings& findings, Judgement* judgement) {
   std::string& sentence = judgement->sentence;
-  const bool is_open = !findings.doubted.empty() || !findings.hidden.empty();
+  const bool is_open = !findings.doubted.empty() || !findings.hidden.empty() ||
+                       findings.has_possible_loss;
   if ((!findings.damaged.empty() || !findings.nonlinear.empty() || is_open) &&
       !findings.other.empty()) {
     sentence += " Besides, " + OtherChanges(findings);

@@ -370,5 +370,25 @@ TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
             DamageVerdict::kDamage);
 }
 
+// A mass that was found may stand for a loss. A damper beside it does not close
+// the question.
+TEST(JudgeChange, CannotTellALossWhereAMassAndADamperWereFound) {
+  const std::vector<ChangeSubject> subjects = {
+      {"k", ChangeKind::kStiffness, "", "", 0.0},
+      {"c", ChangeKind::kDamping, "", "", 0.0},
+      {"w", ChangeKind::kMass, "", "", 0.0}};
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.17, 0.01, false), Change(-0.25, 0.01, true),
+                     Change(0.2, 0.01, true)};
+  estimate.rivals = {{2, 0, 0.5}};
+  MissedMotion missed;
+  missed.loss_instead = {true, false, false};
+  const Judgement judgement =
+      JudgeChange(subjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_THAT(judgement.sentence, HasSubstr("k (-17 %)"));
+  EXPECT_THAT(judgement.sentence, HasSubstr("c (-25 %)"));
+}
+
 }  // namespace
 }  // namespace pinode

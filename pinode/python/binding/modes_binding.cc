@@ -189,8 +189,8 @@ std::shared_ptr<ModesHandle> FromDataFile(
   std::string error;
   Require(ReadModesOptions(TreeFromPython(tree, &none), "", &asked, &error),
           error);
-  const ModesDataFile file = {path, columns, quantities, time,
-                              sampling_rate_hz};
+  const ModesDataFile file = {path, columns,          quantities,
+                              time, sampling_rate_hz, TextFormat()};
   auto handle = std::make_shared<ModesHandle>();
   ModesCase* c = &handle->c;
   RequireInterruptibly([handle, file](std::string* sentence) {

@@ -76,21 +76,28 @@ double Contradiction(const BlockEstimates& estimates,
   return shift / std::sqrt(variance);
 }
 
-// Half width of the 95 % interval for unknown `j` if its value differs from
-// block to block beyond the deviations of the blocks: a random effect of the
-// blocks, with its variance by the method of moments (R. DerSimonian and N.
-// Laird, Control. Clin. Trials 7 (1986) 177-188), and Student's t of as many
-// degrees as blocks but one. 0 without such differences.
-double HalfWidthBetween(const BlockEstimates& estimates, Eigen::Index j) {
+// Mean over blocks of an unknown's shift, and half the width of its 95 %
+// interval.
+struct BlockMean {
+  double shift = 0.0;
+  double half_width = 0.0;
+};
+
+// Returns the mean of unknown `j` if its value differs from block to block
+// beyond the deviations of the blocks: a random effect of the blocks, with its
+// variance by the method of moments (R. DerSimonian and N. Laird, Control.
+// Clin. Trials 7 (1986) 177-188), and Student's t of as many degrees as blocks
+// but one. Zeros without such differences.
+BlockMean MeanOverBlocks(const BlockEstimates& estimates, Eigen::Index j) {
   double weights = 0.0, squares = 0.0, mean = 0.0;
   for (const BlockEstimate& block : estimates.blocks) {
     const double weight = 1.0 / std::pow(block.deviations[j], 2);
-    if (!std::isfinite(weight)) return 0.0;
+    if (!std::isfinite(weight)) return {};
     weights += weight;
     squares += weight * weight;
     mean += weight * block.shifts[j];
   }
-  if (estimates.blocks.size() < 2 || !(weights > 0.0)) return 0.0;
+  if (estimates.blocks.size() < 2 || !(weights > 0.0)) return {};
   mean /= weights;
   double scatter = 0.0;
   for (const BlockEstimate& block : estimates.blocks) {
@@ -98,12 +105,17 @@ double HalfWidthBetween(const BlockEstimates& estimates, Eigen::Index j) {
   }
   const double degrees = static_cast<double>(estimates.blocks.size()) - 1.0;
   const double between = (scatter - degrees) / (weights - squares / weights);
-  if (!(between > 0.0)) return 0.0;
+  if (!(between > 0.0)) return {};
+  BlockMean result;
   double information = 0.0;
   for (const BlockEstimate& block : estimates.blocks) {
-    information += 1.0 / (std::pow(block.deviations[j], 2) + between);
+    const double weight = 1.0 / (std::pow(block.deviations[j], 2) + between);
+    information += weight;
+    result.shift += weight * block.shifts[j];
   }
-  return StudentQuantile(degrees) / std::sqrt(information);
+  result.shift /= information;
+  result.half_width = StudentQuantile(degrees) / std::sqrt(information);
+  return result;
 }
 
 }  // namespace
@@ -197,9 +209,14 @@ void WidenByBlocks(const BlockEstimates& estimates, const FitSummary& fit,
     const int j = layout.FreeIndex(interval.name);
     const ParameterEstimate* own = FindEstimate(fit, interval.name);
     if (j < 0 || own == nullptr) continue;
-    const double between = HalfWidthBetween(estimates, j);
-    interval.lower95 = std::min(interval.lower95, own->value - between);
-    interval.upper95 = std::max(interval.upper95, own->value + between);
+    // The reported value lies in the interval, and so does the mean.
+    const BlockMean mean = MeanOverBlocks(estimates, j);
+    interval.lower95 =
+        std::min(interval.lower95,
+                 own->value + std::min(mean.shift, 0.0) - mean.half_width);
+    interval.upper95 =
+        std::max(interval.upper95,
+                 own->value + std::max(mean.shift, 0.0) + mean.half_width);
     for (const BlockEstimate& estimate : estimates.blocks) {
       const double half = kHalfWidth * estimate.deviations[j];
       const double value = own->value + estimate.shifts[j];
