@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
-#include "pinode/base/statistics.h"
 #include "pinode/estimate/fit/multistart.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
@@ -60,50 +58,6 @@ double MostUnexplained(const FitSummary& fit) {
   return most;
 }
 
-// Mean autocorrelation time of the residuals of fitted channels, at least 1.
-double MemoryOf(const IdentificationProblem& problem, const FitSummary& fit) {
-  double sum = 0.0;
-  int count = 0;
-  for (size_t r = 0; r < fit.records.size(); ++r) {
-    const RecordScore& score = fit.records[r];
-    const IdentificationRecord& record = problem.records[r];
-    if (!IsTraining(score) || score.prediction.cols() != record.num_samples()) {
-      continue;
-    }
-    for (size_t c = 0; c < record.channels.size(); ++c) {
-      if (!record.channels[c].fit) continue;
-      Vector residuals =
-          record.channels[c].values -
-          score.prediction.row(static_cast<Eigen::Index>(c)).transpose();
-      residuals = residuals.array().isNaN().select(0.0, residuals);
-      sum += AutocorrelationTime(residuals);
-      ++count;
-    }
-  }
-  return std::max(1.0, sum / std::max(count, 1));
-}
-
-// Logarithm of the likelihood of ambient records, measured modes and FRFs. The
-// variances of the lines of an ambient record are those that the fit `scale`
-// leaves: its chi^2 per degree of freedom, at least 1. Correlated lines of FRFs
-// count as fewer.
-double LogLikelihood(const FitSummary& fit, const FitSummary& scale) {
-  double sum = 0.0;
-  for (size_t i = 0; i < fit.ambient.size(); ++i) {
-    const AmbientScore& score = scale.ambient[i];
-    const double freedom = static_cast<double>(score.degrees_of_freedom);
-    const double likelihood = fit.ambient[i].evidence.log_likelihood;
-    // Zero: the loads could not be judged, and nothing is known of the odds.
-    if (likelihood == 0.0) return std::numeric_limits<double>::quiet_NaN();
-    sum += likelihood /
-           (freedom > 0.0 ? std::max(1.0, score.chi_square / freedom) : 1.0);
-  }
-  for (size_t i = 0; i < fit.frfs.size(); ++i) {
-    sum += fit.frfs[i].log_likelihood / scale.frfs[i].memory;
-  }
-  return fit.modes.empty() ? sum : sum - fit.final_modal_cost;
-}
-
 // `fit` with the states of its training records.
 FitSummary WithStates(const IdentificationProblem& problem,
                       const IdentifiedModel& model, const FitSummary& fit) {
@@ -118,51 +72,6 @@ FitSummary WithStates(const IdentificationProblem& problem,
                 score.first_scored_sample, &score);
   }
   return result;
-}
-
-// True unless a clock is among `suspects` and the factors that it gives to
-// stiffness and damping, the square of one number and that number, contradict
-// each other: then something else has changed them.
-bool ClockIsConsistent(const std::vector<Suspect>& suspects,
-                       const FitSummary& fit) {
-  for (const Suspect& suspect : suspects) {
-    if (suspect.kind != Suspect::Kind::kClockRate) continue;
-    const std::vector<std::string> unknowns = suspect.Unknowns();
-    const ParameterEstimate* stiffness = FindEstimate(fit, unknowns[0]);
-    const ParameterEstimate* damping = FindEstimate(fit, unknowns[1]);
-    constexpr double kDetermined = 0.2;
-    constexpr double kRounding = 0.02;
-    if (stiffness == nullptr || damping == nullptr ||
-        !(stiffness->value > -1.0) || !(stiffness->sigma < kDetermined)) {
-      return false;
-    }
-    const double expected = std::sqrt(1.0 + stiffness->value) - 1.0;
-    const double deviation = std::hypot(damping->sigma, 0.5 * stiffness->sigma);
-    if (std::abs(damping->value - expected) > kRounding + 3.0 * deviation) {
-      return false;
-    }
-  }
-  return true;
-}
-
-// True if a mass or stiffness has become so many times as large that the same
-// of a group would be a finding: it stands for something else. A sensor turned
-// in an ambient record, whose fit had lost itself, gave masses of 9 and 18
-// times.
-bool IsOutOfSize(const std::vector<Suspect>& suspects, const FitSummary& fit) {
-  for (const Suspect& suspect : suspects) {
-    if (suspect.kind != Suspect::Kind::kMass &&
-        suspect.kind != Suspect::Kind::kStiffness) {
-      continue;
-    }
-    for (const std::string& unknown : suspect.Unknowns()) {
-      const ParameterEstimate* estimate = FindEstimate(fit, unknown);
-      if (estimate != nullptr && 1.0 + estimate->value > limits::kGroupSize) {
-        return true;
-      }
-    }
-  }
-  return false;
 }
 
 }  // namespace
@@ -184,40 +93,20 @@ RefitSearch::RefitSearch(const IdentificationProblem& problem,
       fit_(fit),
       model_(model),
       inner_(*inner),
+      odds_(problem, fit),
       suspects_(MakeSuspects(problem, model)) {
   BeginNearTheEnd(&options_);
   options_.max_num_iterations =
       std::min(options_.max_num_iterations, kMostIterations);
   options_.keep_states = false;
   options_.num_starts = 0;
-  for (const IdentificationRecord& record : problem.records) {
-    if (record.role != IdentificationRecord::Role::kTrain) continue;
-    for (const MeasuredChannel& channel : record.channels) {
-      if (channel.fit) {
-        num_samples_ += static_cast<double>(CountPresent(channel.values));
-      }
-    }
-  }
-  for (const AmbientScore& score : fit.ambient) {
-    // Real and imaginary parts.
-    num_samples_ += 2.0 * static_cast<double>(score.num_lines) *
-                    static_cast<double>(score.channels.size());
-  }
-  for (const FrfScore& score : fit.frfs) {
-    num_samples_ += 2.0 * static_cast<double>(score.num_lines) *
-                    static_cast<double>(score.pairs.size());
-  }
-  for (size_t i = 0; i < fit.modes.size(); ++i) {
-    if (!fit.modes[i].InUse()) continue;
-    num_samples_ += NumbersOf(problem.modal.modes[i]);
-  }
   if (problem.HasSpectra() || !problem.modal.empty()) AddSuspectsBeside();
   if (problem.num_train_records() == 0) return;
   // The log odds are N / 2m times the relative change of the cost.
   options_.function_tolerance =
-      std::max(options_.function_tolerance, 2.0 * kLeastStepOfLogOdds *
-                                                MemoryOf(problem, fit) /
-                                                std::max(num_samples_, 1.0));
+      std::max(options_.function_tolerance,
+               2.0 * kLeastStepOfLogOdds * ResidualMemory(problem, fit) /
+                   std::max(odds_.num_samples(), 1.0));
 }
 
 // Sensors of ambient records and of frequency responses, and measured modes.
@@ -327,7 +216,7 @@ void RefitSearch::AddForceSuspects(const Refit& own) {
   constexpr double kWhite = 1.1;
   constexpr size_t kPlaces = 12;
   constexpr size_t kPlacesIfWhite = 3;
-  const bool is_white = MemoryOf(problem_, fit_) < kWhite;
+  const bool is_white = ResidualMemory(problem_, fit_) < kWhite;
   for (Suspect& suspect :
        MakeForceSuspects(problem_, WithStates(problem_, own.model, fit_),
                          own.model, is_white ? kPlacesIfWhite : kPlaces)) {
@@ -345,7 +234,8 @@ std::vector<size_t> RefitSearch::Promising(
         std::find(taken.begin(), taken.end(), i) != taken.end()) {
       continue;
     }
-    const double promise = score.gain - Penalty(score.num_unknowns, 1.0);
+    const double promise =
+        score.gain - odds_.Penalty(score.num_unknowns, suspects_.size());
     if (promise > limits::kLogOdds) ranked.emplace_back(-promise, i);
   }
   std::sort(ranked.begin(), ranked.end());
@@ -354,11 +244,6 @@ std::vector<size_t> RefitSearch::Promising(
     if (best.size() < most) best.push_back(i);
   }
   return best;
-}
-
-double RefitSearch::Penalty(int num_unknowns, double memory) const {
-  return 0.5 * num_unknowns * std::log(std::max(num_samples_ / memory, 2.0)) +
-         std::log(static_cast<double>(suspects_.size()));
 }
 
 // Exchanges after which measured and predicted channels agree better.
@@ -432,10 +317,7 @@ bool RefitSearch::Try(const Refit& from, std::vector<size_t> suspects,
     return false;
   }
   if (refit.fit.termination == Termination::kFailure) return false;
-  if (!ClockIsConsistent(added, refit.fit) || IsOutOfSize(added, refit.fit)) {
-    return false;
-  }
-  refit.log_odds = LogOdds(refit);
+  refit.log_odds = odds_.LogOddsOf(refit, suspects_);
   if (!std::isfinite(refit.log_odds)) return false;
   refits_.push_back(std::move(refit));
   return true;
@@ -542,43 +424,6 @@ void RefitSearch::KeepBest(const std::vector<size_t>& suspects) {
                                         refit.log_odds < best;
                                }),
                 refits_.end());
-}
-
-double RefitSearch::LogOdds(const Refit& refit) const {
-  const double memory = MemoryOf(refit.problem, refit.fit);
-  double gain = 0.0;
-  for (size_t r = 0; r < fit_.records.size(); ++r) {
-    const RecordScore& before = fit_.records[r];
-    const RecordScore& after = refit.fit.records[r];
-    if (!IsTraining(before)) continue;
-    if (!after.finite) return -kInfinity;
-    const IdentificationRecord& record = refit.problem.records[r];
-    for (size_t c = 0; c < record.channels.size(); ++c) {
-      if (!record.channels[c].fit) continue;
-      const double count =
-          static_cast<double>(CountPresent(record.channels[c].values));
-      gain += count / memory *
-              std::log(before.channels[c].rmse /
-                       std::max(after.channels[c].rmse, 1e-300));
-    }
-  }
-  gain += LogLikelihood(refit.fit, refit.fit) - LogLikelihood(fit_, refit.fit);
-  int unknowns = 0;
-  double candidates = 0.0;
-  for (const size_t i : refit.suspects) {
-    unknowns += static_cast<int>(suspects_[i].Unknowns().size());
-    // A gain of an ambient record is an unknown, its sign is not.
-    for (const Suspect::AmbientScale& at : suspects_[i].ambient_scales) {
-      unknowns += at.factor > 0.0 ? 1 : 0;
-    }
-    for (const int mode : suspects_[i].left_out_modes) {
-      unknowns += NumbersOf(problem_.modal.modes[static_cast<size_t>(mode)]);
-    }
-    candidates += std::log(static_cast<double>(suspects_.size()));
-  }
-  return gain -
-         0.5 * unknowns * std::log(std::max(num_samples_ / memory, 2.0)) -
-         candidates;
 }
 
 // Adds a suspect to the best refit; true if that made it better by odds that

@@ -13,6 +13,7 @@
 #include "pinode/problem/identification_problem.h"
 #include "pinode/problem/identified_model.h"
 #include "pinode/study/explanations/refit.h"
+#include "pinode/study/explanations/refit_odds.h"
 #include "pinode/study/explanations/score_test.h"
 #include "pinode/study/explanations/suspect.h"
 #include "pinode/study/problem/inner_fit.h"
@@ -49,12 +50,10 @@ class RefitSearch {
   void AddForceSuspects(const Refit& own);
   std::vector<size_t> Promising(const SuspectScores& scores, size_t most,
                                 const std::vector<size_t>& taken) const;
-  double Penalty(int num_unknowns, double memory) const;
   std::vector<size_t> LikelyExchanges() const;
   double Agreement(const std::pair<int, int>& at, int predicted) const;
   bool IsHeld(const Suspect& suspect) const;
   bool Try(const Refit& from, std::vector<size_t> suspects, bool cold);
-  double LogOdds(const Refit& refit) const;
   bool AddToBest();
   bool HoldsNothing(const Refit& refit, size_t i) const;
 
@@ -63,9 +62,9 @@ class RefitSearch {
   const FitSummary& fit_;
   const IdentifiedModel& model_;
   InnerFit& inner_;
+  const RefitOdds odds_;
   std::vector<Suspect> suspects_;
   SuspectScores scores_;
-  double num_samples_ = 0.0;
   std::vector<Refit> refits_;
   std::set<std::set<size_t>> tried_;
   bool interrupted_ = false;
