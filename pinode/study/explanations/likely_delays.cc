@@ -22,7 +22,7 @@ constexpr double kClearlyBetter = 0.1;
 // 0.57 and above.
 constexpr double kLeastAgreement = 0.4;
 // Number of delays to return.
-constexpr size_t kMostLikely = 2;
+constexpr size_t kMostDelays = 2;
 // Periods of the lowest mode, and share of a record, that delays reach over.
 constexpr double kPeriods = 2.0;
 constexpr Eigen::Index kShareOfRecord = 4;
@@ -224,7 +224,7 @@ std::vector<LikelyDelay> FindLikelyDelays(
           return other.suspect == likely.suspect &&
                  std::abs(other.delay - likely.delay) < 1.5 * step;
         });
-    if (!is_known && result.size() < kMostLikely) result.push_back(likely);
+    if (!is_known && result.size() < kMostDelays) result.push_back(likely);
   }
   return result;
 }
