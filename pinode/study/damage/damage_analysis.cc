@@ -1,13 +1,10 @@
 #include "pinode/study/damage/damage_analysis.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
-#include "pinode/base/logging.h"
-#include "pinode/base/strings.h"
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
 #include "pinode/problem/verdict_limits.h"
@@ -18,7 +15,9 @@
 #include "pinode/study/damage/healthy_records.h"
 #include "pinode/study/damage/kinds_search.h"
 #include "pinode/study/damage/linear_causes.h"
+#include "pinode/study/damage/loss_instead.h"
 #include "pinode/study/damage/mass_instead.h"
+#include "pinode/study/damage/result_subjects.h"
 #include "pinode/study/damage/wide_state.h"
 #include "pinode/study/damage/within_doubt.h"
 #include "pinode/study/explanations/modes_search.h"
@@ -73,7 +72,9 @@ class Analyst {
         inner_(options.watch),
         groups_(FreeGroups(*problem.dynamics)),
         healthy_records_(baselines, problem, groups_, options.identification),
-        result_(*result) {}
+        result_(*result),
+        subjects_(groups_.size(), &candidates_, &result->subjects,
+                  &result->estimate) {}
 
   bool Run(const IdentificationSummary& summary, const IdentifiedModel& model,
            std::string* error) {
@@ -177,16 +178,66 @@ class Analyst {
 
   bool Conclude(bool kinds, std::string* error) {
     if (!verdict_.usable()) {
-      *error = "the fit to the new records is not usable";
-      if (const Explanation* best = ExplanationOfAll()) {
-        *error += ". This explains them: " + best->what +
-                  ". Check it, correct the case and run again";
-      } else {
-        *error +=
-            ", and no change of another kind explains the remaining motion";
-      }
+      *error = WhyNotUsable();
       return false;
     }
+    Comparison states;
+    if (!Compare(kinds, &states, error)) return false;
+    if (kinds && !AddRivals(error)) return false;
+    if (!ExplainChange(states.options, error)) return false;
+    RemarkWhatDiffers(states.healthy, states.current, groups_, result_.estimate,
+                      &result_.remarks);
+    // If changes were refitted, the other solution of the new records is
+    // among their explanations.
+    const bool is_open =
+        doubts_.other_solution && result_.estimate.explanations.empty();
+    MissedMotion missed = Missed(states, is_open);
+    if (IsOfModes(problem_)) LookForMass(states.healthy, &missed);
+    if (kinds && !FindLossesInstead(*kinds_, options_, &subjects_,
+                                    &missed.loss_instead, error)) {
+      return false;
+    }
+    result_.judgement =
+        JudgeChange(result_.subjects, result_.estimate, options_, missed);
+    if (result_.judgement.verdict != DamageVerdict::kCannotTell) {
+      RemarkWhatIsMissed(missed, &result_.remarks);
+    }
+    SayWhatExplains();
+    if (kinds && states.healthy.size() == 1 && IsOpenAlone(missed)) {
+      RemarkMass();
+    }
+    for (const Baseline& baseline : baselines_) {
+      RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
+                            &result_.remarks);
+    }
+    if (is_open) {
+      RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
+    }
+    GiveFit();
+    return true;
+  }
+
+  // Reason why the fit of the new records cannot be used, and its remedy.
+  std::string WhyNotUsable() const {
+    const std::string why = "the fit to the new records is not usable";
+    const Explanation* best = ExplanationOfAll();
+    if (best == nullptr) {
+      return why +
+             ", and no change of another kind explains the remaining motion";
+    }
+    return why + ". This explains them: " + best->what +
+           ". Check it, correct the case and run again";
+  }
+
+  // States of groups and of found candidates, and the options to compare them.
+  struct Comparison {
+    std::vector<GroupState> healthy;
+    GroupState current;
+    ChangeOptions options;
+  };
+
+  // Sets the subjects of the result and their changes, and *states.
+  bool Compare(bool kinds, Comparison* states, std::string* error) {
     for (const GroupTerm& term : problem_.dynamics->groups()) {
       if (std::find(groups_.begin(), groups_.end(), term.group.name) ==
           groups_.end()) {
@@ -204,17 +255,18 @@ class Analyst {
       names.push_back(candidate.subject.name);
       result_.subjects.push_back(candidate.subject);
     }
-    std::vector<GroupState> healthy;
+    std::vector<GroupState>& healthy = states->healthy;
+    GroupState& current = states->current;
     if (!healthy_records_.States(fit_of_new_, found_, &healthy, error)) {
       return false;
     }
-    GroupState current;
     if (!GroupsOf(*fit_of_new_.problem.dynamics, fit_of_new_.summary, names,
                   &current, error)) {
       return false;
     }
     ScaleToUnits(found_, &current);
-    ChangeOptions options = OptionsFor(
+    ChangeOptions& options = states->options;
+    options = OptionsFor(
         options_, groups_.size(), found_,
         (kinds ? 1.0 - kShareOfKinds : 1.0) * options_.false_alarm_rate);
     // The change of what is nearly gone is one of the group's nominal value.
@@ -222,59 +274,27 @@ class Analyst {
     for (size_t j = 0; j < gone.size(); ++j) {
       if (gone[j]) options.absolute[j] = true;
     }
-    if (!(HasMass(found_) ? EstimateChangeByLogarithms(
-                                groups_.size(), found_, healthy, current,
-                                options, &result_.estimate, error)
-                          : EstimateChange(healthy, current, options,
-                                           &result_.estimate, error))) {
+    return HasMass(found_) ? EstimateChangeByLogarithms(
+                                 groups_.size(), found_, healthy, current,
+                                 options, &result_.estimate, error)
+                           : EstimateChange(healthy, current, options,
+                                            &result_.estimate, error);
+  }
+
+  // Rivals among all candidates; a candidate that is one becomes a subject.
+  bool AddRivals(std::string* error) {
+    std::vector<RivalChange> rivals;
+    if (!FindRivals(kinds_->healthy(), kinds_->current(),
+                    kinds_->WideOptions(options_.false_alarm_rate),
+                    subjects_.ChangedEntries(), &rivals, error)) {
       return false;
     }
-    if (kinds && !AddRivals(error)) return false;
-    if (!ExplainChange(options, error)) return false;
-    RemarkWhatDiffers(healthy, current, groups_, result_.estimate,
-                      &result_.remarks);
-    MissedMotion missed = Missed();
-    // If changes were refitted, the other solution of the new records is
-    // among their explanations.
-    const bool is_open =
-        doubts_.other_solution && result_.estimate.explanations.empty();
-    missed.other_solution =
-        is_open || std::any_of(baselines_.begin(), baselines_.end(),
-                               [](const Baseline& baseline) {
-                                 return baseline.doubts.other_solution;
-                               });
-    // Several baselines show themselves how much records differ.
-    if (healthy.size() == 1) {
-      missed.within_doubt =
-          WithinDoubt({healthy[0], baselines_[0].doubts},
-                      {current, doubts_, MissesMotion(verdict_)}, groups_,
-                      result_.subjects, result_.estimate, options);
-    }
-    if (IsOfModes(problem_)) LookForMass(healthy, &missed);
-    if (kinds && !LookForLosses(&missed, error)) return false;
-    result_.judgement =
-        JudgeChange(result_.subjects, result_.estimate, options_, missed);
-    if (missed.IsMore() &&
-        result_.judgement.verdict != DamageVerdict::kCannotTell) {
-      result_.remarks.push_back(
-          "Of the motion of the new records " +
-          FormatNumber(100.0 * missed.last, 2) +
-          " % is unexplained and too large to be noise; of the baselines' " +
-          FormatNumber(100.0 * missed.healthy, 2) +
-          " %. A part of the change is of a kind that was not looked for. "
-          "Small changes may be side effects.");
-    }
-    SayWhatExplains();
-    if (kinds && healthy.size() == 1 && IsOpenAlone(missed)) {
-      RemarkMass();
-    }
-    for (const Baseline& baseline : baselines_) {
-      RemarkAnotherSolution("baseline '" + baseline.name + "'", baseline.doubts,
-                            &result_.remarks);
-    }
-    if (is_open) {
-      RemarkAnotherSolution(kNewRecords, doubts_, &result_.remarks);
-    }
+    subjects_.SetRivals(rivals);
+    return true;
+  }
+
+  // Moves the fit of the new records and its verdict to the result.
+  void GiveFit() {
     result_.added = std::move(found_);
     result_.problem = std::move(fit_of_new_.problem);
     result_.summary = IdentificationSummary(std::move(fit_of_new_.summary));
@@ -282,7 +302,6 @@ class Analyst {
     result_.summary.choice = std::move(choice_);
     result_.summary.explanations = std::move(explanations_);
     result_.model = std::move(fit_of_new_.model);
-    return true;
   }
 
   // True if the verdict is open for no other reason than wide intervals.
@@ -305,15 +324,29 @@ class Analyst {
         candidates_, found_, &result_.remarks);
   }
 
-  // Nothing where the healthy records' fits are not there.
-  MissedMotion Missed() const {
+  // Unexplained motion, zero without fits of the healthy records, and doubts.
+  // `is_open`: the new records have another solution.
+  MissedMotion Missed(const Comparison& states, bool is_open) const {
     MissedMotion missed;
-    if (healthy_records_.fits().empty()) return missed;
-    for (const FitOfRecords& fit : healthy_records_.fits()) {
-      missed.healthy = std::max(missed.healthy, MissedOf(fit.summary, 0.0));
+    if (!healthy_records_.fits().empty()) {
+      for (const FitOfRecords& fit : healthy_records_.fits()) {
+        missed.healthy = std::max(missed.healthy, MissedOf(fit.summary, 0.0));
+      }
+      missed.groups = missed_by_groups_;
+      missed.last = MissedOf(fit_of_new_.summary, kLeastMissed);
     }
-    missed.groups = missed_by_groups_;
-    missed.last = MissedOf(fit_of_new_.summary, kLeastMissed);
+    missed.other_solution =
+        is_open || std::any_of(baselines_.begin(), baselines_.end(),
+                               [](const Baseline& baseline) {
+                                 return baseline.doubts.other_solution;
+                               });
+    // Several baselines show themselves how much records differ.
+    if (states.healthy.size() == 1) {
+      missed.within_doubt = WithinDoubt(
+          {states.healthy[0], baselines_[0].doubts},
+          {states.current, doubts_, MissesMotion(verdict_)}, groups_,
+          result_.subjects, result_.estimate, states.options);
+    }
     return missed;
   }
 
@@ -336,91 +369,15 @@ class Analyst {
         "The modes may show a mass instead of changed stiffness: " + mass +
         ".");
   }
-  // Stiffness may have been lost where a mass was found, if damping has changed
-  // too: an added mass lowers damping over mass as well as stiffness over mass,
-  // and so needs one change where the others are two.
-  bool LookForLosses(MissedMotion* missed, std::string* error) {
-    std::vector<int> found, beside;
-    for (size_t j = 0; j < result_.subjects.size(); ++j) {
-      if (result_.estimate.groups[j].changed) found.push_back(EntryOf(j));
-    }
-    for (size_t j = 0; j < groups_.size() + candidates_.size(); ++j) {
-      const ChangeKind kind =
-          j < groups_.size() ? result_.subjects[j].kind
-                             : candidates_[j - groups_.size()].subject.kind;
-      if (kind == ChangeKind::kDamping) beside.push_back(static_cast<int>(j));
-    }
-    const ChangeOptions options =
-        kinds_->WideOptions(options_.false_alarm_rate);
-    missed->loss_instead.assign(result_.subjects.size(), false);
-    for (size_t m = groups_.size(); m < result_.subjects.size(); ++m) {
-      if (result_.subjects[m].kind != ChangeKind::kMass ||
-          !result_.estimate.groups[m].changed) {
-        continue;
-      }
-      for (size_t j = 0; j < groups_.size(); ++j) {
-        if (result_.subjects[j].kind != ChangeKind::kStiffness ||
-            !kinds_->is_logarithm()[j]) {
-          continue;
-        }
-        ChangeInstead instead;
-        if (!FindChangeInstead(kinds_->healthy(), kinds_->current(), options,
-                               found, EntryOf(m), static_cast<int>(j), beside,
-                               &instead, error)) {
-          return false;
-        }
-        const bool is_loss =
-            std::expm1(instead.change.lower95) < -options_.threshold;
-        if (!is_loss || !(instead.loss < options_.rival_loss)) continue;
-        missed->loss_instead[j] = true;
-        result_.estimate.rivals.push_back(
-            {static_cast<int>(m), static_cast<int>(j), instead.loss});
-        instead.change.changed = result_.estimate.groups[j].changed;
-        instead.change.p_value = result_.estimate.groups[j].p_value;
-        FromLogarithm(options_.threshold, 1.0, &instead.change);
-        result_.estimate.groups[j] = instead.change;
-      }
-    }
-    missed->loss_instead.resize(result_.subjects.size(), false);
-    return true;
-  }
-
-  // The subject of an entry: of groups, then of all candidates. A candidate
-  // that was not one becomes one.
-  int SubjectOf(int entry) {
-    if (entry < static_cast<int>(groups_.size())) return entry;
-    const ChangeSubject& subject =
-        candidates_[static_cast<size_t>(entry) - groups_.size()].subject;
-    for (size_t j = groups_.size(); j < result_.subjects.size(); ++j) {
-      if (result_.subjects[j].name == subject.name) return static_cast<int>(j);
-    }
-    result_.subjects.push_back(subject);
-    result_.estimate.groups.emplace_back();
-    Vector& between = result_.estimate.between_records;
-    between.conservativeResize(between.size() + 1);
-    between.tail(1).setZero();
-    return static_cast<int>(result_.subjects.size()) - 1;
-  }
-  int EntryOf(size_t subject) const {
-    if (subject < groups_.size()) return static_cast<int>(subject);
-    for (size_t j = 0; j < candidates_.size(); ++j) {
-      if (candidates_[j].subject.name == result_.subjects[subject].name) {
-        return static_cast<int>(groups_.size() + j);
-      }
-    }
-    LOG(FATAL) << "no candidate is " << result_.subjects[subject].name;
-    return -1;
-  }
 
   // Refits what was found, and other sets of changes, each alone; the values
   // of the likeliest replace those of the linearisation. False, with *error,
   // where a fit was interrupted.
   bool ExplainChange(const ChangeOptions& options, std::string* error) {
-    std::vector<int> found;
+    const std::vector<int> found = subjects_.ChangedEntries();
     bool is_linear = true;
     for (size_t j = 0; j < result_.subjects.size(); ++j) {
       if (!result_.estimate.groups[j].changed) continue;
-      found.push_back(EntryOf(j));
       is_linear =
           is_linear && result_.subjects[j].kind != ChangeKind::kNonlinear;
     }
@@ -429,11 +386,6 @@ class Analyst {
     ChangeRefitter refitter(fit_of_groups_, fit_of_new_, groups_,
                             identification_, &inner_);
     if (!refitter.WhyNot().empty()) return true;
-    std::vector<std::pair<int, int>> exchanges;
-    for (const RivalChange& rival : result_.estimate.rivals) {
-      exchanges.emplace_back(EntryOf(static_cast<size_t>(rival.found)),
-                             EntryOf(static_cast<size_t>(rival.other)));
-    }
     const std::vector<bool> absolute(
         options.absolute.begin(),
         options.absolute.begin() + static_cast<std::ptrdiff_t>(groups_.size()));
@@ -456,12 +408,12 @@ class Analyst {
         near, options);
     ExplainedChange explained;
     const bool thorough = problem_.num_train_records() == 0;
-    if (!search.Run(found, exchanges, thorough, &explained)) {
+    if (!search.Run(found, subjects_.RivalEntries(), thorough, &explained)) {
       if (!refitter.interrupted()) return true;
       *error = "interrupted";
       return false;
     }
-    TakeOver(explained);
+    subjects_.TakeOver(explained);
     return true;
   }
 
@@ -487,58 +439,6 @@ class Analyst {
         best->what + ". Check it first.");
   }
 
-  void TakeOver(const ExplainedChange& explained) {
-    ChangeEstimate& estimate = result_.estimate;
-    for (size_t j = 0; j < groups_.size(); ++j) {
-      estimate.groups[j] = explained.groups[j];
-    }
-    for (size_t j = groups_.size(); j < estimate.groups.size(); ++j) {
-      estimate.groups[j].changed = false;
-    }
-    for (const ChangeExplanation& explanation : explained.explanations) {
-      ChangeExplanation named = explanation;
-      for (int& entry : named.changed) entry = SubjectOf(entry);
-      estimate.explanations.push_back(std::move(named));
-    }
-    const ChangeExplanation& first = estimate.explanations[0];
-    for (size_t k = 0; k < first.changed.size(); ++k) {
-      estimate.groups[static_cast<size_t>(first.changed[k])] = first.changes[k];
-    }
-    estimate.rivals.clear();
-    for (const ChangeExplanation& other : estimate.explanations) {
-      for (const int one : first.changed) {
-        for (const int another : other.changed) {
-          const auto& in = [](const ChangeExplanation& set, int entry) {
-            return std::count(set.changed.begin(), set.changed.end(), entry) >
-                   0;
-          };
-          if (in(other, one) || in(first, another)) continue;
-          estimate.rivals.push_back({one, another, -2.0 * other.log_odds});
-        }
-      }
-    }
-  }
-
-  // Rivals among all candidates; a candidate that is one becomes a subject.
-  bool AddRivals(std::string* error) {
-    std::vector<int> found;
-    for (size_t j = 0; j < result_.subjects.size(); ++j) {
-      if (result_.estimate.groups[j].changed) found.push_back(EntryOf(j));
-    }
-    std::vector<RivalChange> rivals;
-    if (!FindRivals(kinds_->healthy(), kinds_->current(),
-                    kinds_->WideOptions(options_.false_alarm_rate), found,
-                    &rivals, error)) {
-      return false;
-    }
-    result_.estimate.rivals.clear();
-    for (const RivalChange& rival : rivals) {
-      result_.estimate.rivals.push_back(
-          {SubjectOf(rival.found), SubjectOf(rival.other), rival.loss});
-    }
-    return true;
-  }
-
   const IdentificationProblem& problem_;
   const std::vector<Baseline>& baselines_;
   const IdentificationOptions& identification_;
@@ -550,6 +450,7 @@ class Analyst {
   DamageResult& result_;
 
   Candidates candidates_, found_;
+  ResultSubjects subjects_;
   FitOfRecords fit_of_new_, fit_of_groups_;
   // Verdict, doubts, choice and explanations of the result in fit_of_new_.
   Verdict verdict_;

@@ -60,6 +60,18 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
       "spreads over groups that the records cannot tell apart.");
 }
 
+void RemarkWhatIsMissed(const MissedMotion& missed,
+                        std::vector<std::string>* remarks) {
+  if (!missed.IsMore()) return;
+  remarks->push_back(
+      "Of the motion of the new records " +
+      FormatNumber(100.0 * missed.last, 2) +
+      " % is unexplained and too large to be noise; of the baselines' " +
+      FormatNumber(100.0 * missed.healthy, 2) +
+      " %. A part of the change is of a kind that was not looked for. Small "
+      "changes may be side effects.");
+}
+
 void RemarkMassInstead(const GroupState& healthy, const GroupState& current,
                        const std::vector<bool>& is_logarithm,
                        const std::vector<ChangeSubject>& groups,

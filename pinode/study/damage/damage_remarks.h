@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/damage/change.h"
+#include "pinode/damage/verdict.h"
 #include "pinode/study/damage/baseline.h"
 #include "pinode/study/damage/damage_search.h"
 
@@ -32,6 +33,11 @@ void RemarkWhatDiffers(const std::vector<GroupState>& healthy,
                        const std::vector<std::string>& groups,
                        const ChangeEstimate& estimate,
                        std::vector<std::string>* remarks);
+
+// Motion that the changes found leave unexplained, if it is more than the
+// baselines leave.
+void RemarkWhatIsMissed(const MissedMotion& missed,
+                        std::vector<std::string>* remarks);
 
 // Groups of stiffness whose change the records do not tell from that of a mass
 // among `found`, and the change that they have if the mass has none. A free

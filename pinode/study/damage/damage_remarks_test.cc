@@ -130,5 +130,19 @@ TEST(RemarkMassInstead, IsSilentWhereTheyAreToldApart) {
   EXPECT_THAT(RemarksOf(healthy, current, true), IsEmpty());
 }
 
+// More than 2 % and three times what the baselines leave.
+TEST(RemarkWhatIsMissed, IsSilentUnlessTheBaselinesLeaveLess) {
+  MissedMotion missed;
+  missed.healthy = 0.02;
+  missed.last = 0.05;
+  std::vector<std::string> remarks;
+  RemarkWhatIsMissed(missed, &remarks);
+  EXPECT_THAT(remarks, IsEmpty());
+  missed.last = 0.075;
+  RemarkWhatIsMissed(missed, &remarks);
+  EXPECT_THAT(remarks, ElementsAre(AllOf(HasSubstr("7.5 % is unexplained"),
+                                         HasSubstr("baselines' 2 %"))));
+}
+
 }  // namespace
 }  // namespace pinode

@@ -1,0 +1,67 @@
+#include "pinode/study/damage/loss_instead.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "pinode/damage/verdict.h"
+#include "pinode/study/damage/change_candidates.h"
+#include "pinode/study/damage/wide_state.h"
+
+namespace pinode {
+namespace {
+
+// Entries of dampings, which may change beside a mass or a stiffness.
+std::vector<int> DampingEntries(const ResultSubjects& all) {
+  std::vector<int> entries;
+  const size_t num_groups = all.num_groups();
+  for (size_t j = 0; j < num_groups + all.candidates().size(); ++j) {
+    const ChangeKind kind = j < num_groups
+                                ? all.subjects()[j].kind
+                                : all.candidates()[j - num_groups].subject.kind;
+    if (kind == ChangeKind::kDamping) entries.push_back(static_cast<int>(j));
+  }
+  return entries;
+}
+
+}  // namespace
+
+bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
+                       ResultSubjects* subjects, std::vector<bool>* is_loss,
+                       std::string* error) {
+  const std::vector<ChangeSubject>& named = subjects->subjects();
+  ChangeEstimate& estimate = *subjects->mutable_estimate();
+  const std::vector<int> found = subjects->ChangedEntries();
+  const std::vector<int> beside = DampingEntries(*subjects);
+  const ChangeOptions wide = kinds.WideOptions(options.false_alarm_rate);
+  const size_t num_groups = subjects->num_groups();
+  is_loss->assign(named.size(), false);
+  for (size_t m = num_groups; m < named.size(); ++m) {
+    if (named[m].kind != ChangeKind::kMass || !estimate.groups[m].changed) {
+      continue;
+    }
+    for (size_t j = 0; j < num_groups; ++j) {
+      if (named[j].kind != ChangeKind::kStiffness || !kinds.is_logarithm()[j]) {
+        continue;
+      }
+      ChangeInstead instead;
+      if (!FindChangeInstead(kinds.healthy(), kinds.current(), wide, found,
+                             subjects->EntryOf(m), static_cast<int>(j), beside,
+                             &instead, error)) {
+        return false;
+      }
+      const bool is_beyond =
+          std::expm1(instead.change.lower95) < -options.threshold;
+      if (!is_beyond || !(instead.loss < options.rival_loss)) continue;
+      (*is_loss)[j] = true;
+      estimate.rivals.push_back(
+          {static_cast<int>(m), static_cast<int>(j), instead.loss});
+      instead.change.changed = estimate.groups[j].changed;
+      instead.change.p_value = estimate.groups[j].p_value;
+      FromLogarithm(options.threshold, 1.0, &instead.change);
+      estimate.groups[j] = instead.change;
+    }
+  }
+  return true;
+}
+
+}  // namespace pinode

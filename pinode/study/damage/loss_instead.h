@@ -1,0 +1,34 @@
+// Losses of stiffness in place of masses that were found. Not meant for other
+// layers.
+
+#ifndef PINODE_STUDY_DAMAGE_LOSS_INSTEAD_H_
+#define PINODE_STUDY_DAMAGE_LOSS_INSTEAD_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/damage/change.h"
+#include "pinode/study/damage/kinds_search.h"
+#include "pinode/study/damage/result_subjects.h"
+
+namespace pinode {
+
+// Looks for stiffness that may have been lost where a mass was found, if
+// damping has changed too. An added mass lowers damping over mass as well as
+// stiffness over mass, and so needs one change where the others are two.
+// `kinds` has found the changes of *subjects.
+//
+// A group counts if it may have lost more than options.threshold and the
+// exchange loses less than options.rival_loss. It gets a flag in *is_loss, one
+// per subject (MissedMotion::loss_instead), and becomes a rival of the mass.
+// Its change becomes the one that it has if the mass has not changed. Returns
+// false, with *error, as FindChangeInstead does.
+[[nodiscard]] bool FindLossesInstead(const KindsSearch& kinds,
+                                     const ChangeOptions& options,
+                                     ResultSubjects* subjects,
+                                     std::vector<bool>* is_loss,
+                                     std::string* error);
+
+}  // namespace pinode
+
+#endif  // PINODE_STUDY_DAMAGE_LOSS_INSTEAD_H_
