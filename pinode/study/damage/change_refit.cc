@@ -27,9 +27,9 @@ constexpr int kRefitIterations = 20;
 constexpr int kMostRefitRounds = 8;
 // Gain in log-likelihood below which a further round changes nothing.
 constexpr double kSettledRefit = 0.02;
-// A set of changes is hopeless if so many gains of its last round, or so many
-// of those that its linearisation promises, leave it above this multiple of the
-// cost with all changes. More rounds of it do not change the odds: on
+// A set of changes is hopeless if a few gains leave it above this multiple of
+// the cost with all changes. Gains are those of its last round, or those that
+// its linearisation promises. More rounds of it do not change the odds: on
 // three_storey, seven of nine sets cost 60 to 90 times as much. All later
 // rounds of its sets gained at most 1.3 times what the round before promised.
 constexpr double kHopelessGains = 4.0;

@@ -52,10 +52,10 @@ double LeftOrNoise(const FitSummary& summary) {
 
 // True if a mass is an unknown: one factor on all of stiffness, damping and
 // mass is then determined by measured forces alone.
-bool HasMass(const Candidates& candidates) {
-  return std::any_of(candidates.begin(), candidates.end(),
-                     [](const ChangeCandidate& candidate) {
-                       return candidate.subject.kind == ChangeKind::kMass;
+bool HasMass(const std::vector<ChangeSubject>& subjects) {
+  return std::any_of(subjects.begin(), subjects.end(),
+                     [](const ChangeSubject& subject) {
+                       return subject.kind == ChangeKind::kMass;
                      });
 }
 
@@ -274,11 +274,12 @@ class Analyst {
     for (size_t j = 0; j < gone.size(); ++j) {
       if (gone[j]) options.absolute[j] = true;
     }
-    return HasMass(found_) ? EstimateChangeByLogarithms(
-                                 groups_.size(), found_, healthy, current,
-                                 options, &result_.estimate, error)
-                           : EstimateChange(healthy, current, options,
-                                            &result_.estimate, error);
+    return HasMass(subjects_.subjects())
+               ? EstimateChangeByLogarithms(groups_.size(), found_, healthy,
+                                            current, options, &result_.estimate,
+                                            error)
+               : EstimateChange(healthy, current, options, &result_.estimate,
+                                error);
   }
 
   // Rivals among all candidates; a candidate that is one becomes a subject.

@@ -1,7 +1,8 @@
 #include "pinode/study/damage/loss_instead.h"
 
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
+#include <map>
 
 #include "pinode/damage/verdict.h"
 #include "pinode/study/damage/change_candidates.h"
@@ -9,6 +10,9 @@
 
 namespace pinode {
 namespace {
+
+// Probability above which a loss is taken as certain, as in 95 % intervals.
+constexpr double kSure = 0.95;
 
 // Entries of dampings, which may change beside a mass or a stiffness.
 std::vector<int> DampingEntries(const ResultSubjects& all) {
@@ -35,7 +39,9 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
   const ChangeOptions wide = kinds.WideOptions(options.false_alarm_rate);
   const size_t num_groups = subjects->num_groups();
   is_loss->assign(named.size(), false);
-  for (size_t m = num_groups; m < named.size(); ++m) {
+  // By stiffness, the likeliest exchange of it for a mass.
+  std::map<size_t, ChangeInstead> likeliest;
+  for (size_t m = 0; m < named.size(); ++m) {
     if (named[m].kind != ChangeKind::kMass || !estimate.groups[m].changed) {
       continue;
     }
@@ -49,18 +55,32 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
                              &instead, error)) {
         return false;
       }
-      const bool is_beyond =
-          std::expm1(instead.change.lower95) < -options.threshold;
+      FromLogarithm(options.threshold, 1.0, &instead.change);
+      const bool is_beyond = instead.change.lower95 < -options.threshold;
       if (!is_beyond || !(instead.loss < options.rival_loss)) continue;
+      const GroupChange& own = estimate.groups[j];
+      if (own.changed &&
+          std::min(own.probability, instead.change.probability) > kSure) {
+        continue;  // lost either way
+      }
       (*is_loss)[j] = true;
+      if (own.changed) continue;  // its size is that of the explanation
+      instead.change.p_value = own.p_value;
       estimate.rivals.push_back(
           {static_cast<int>(m), static_cast<int>(j), instead.loss});
-      instead.change.changed = estimate.groups[j].changed;
-      instead.change.p_value = estimate.groups[j].p_value;
-      FromLogarithm(options.threshold, 1.0, &instead.change);
-      estimate.groups[j] = instead.change;
+      const auto [entry, is_new] = likeliest.try_emplace(j, instead);
+      if (!is_new && instead.loss < entry->second.loss) {
+        entry->second = instead;
+      }
     }
   }
+  for (const auto& [j, instead] : likeliest) {
+    estimate.groups[j] = instead.change;
+  }
+  std::stable_sort(estimate.rivals.begin(), estimate.rivals.end(),
+                   [](const RivalChange& a, const RivalChange& b) {
+                     return a.loss < b.loss;
+                   });
   return true;
 }
 

@@ -203,7 +203,10 @@ bool EstimateChangeByLogarithms(size_t num_groups,
                     static_cast<double>(healthy.size());
       }
     }
-    FromLogarithm(options.threshold, baseline, &estimate->groups[j]);
+    // Above its whole value nothing is lost; near zero all may be.
+    const double threshold = std::min(options.threshold / baseline, 0.999);
+    FromLogarithm(threshold, baseline, &estimate->groups[j]);
+    estimate->between_records[static_cast<Eigen::Index>(j)] *= baseline;
   }
   return true;
 }
