@@ -20,9 +20,10 @@ namespace pinode {
 //
 // A group counts if it may have lost more than options.threshold and the
 // exchange loses less than options.rival_loss. It gets a flag in *is_loss, one
-// per subject (MissedMotion::loss_instead), and becomes a rival of the mass.
-// Its change becomes the one that it has if the mass has not changed. Returns
-// false, with *error, as FindChangeInstead does.
+// per subject (MissedMotion::loss_instead). One that was not found becomes a
+// rival of the mass, and its change the one that it has if the mass has not
+// changed. One that was found and is lost either way, to 95 %, does not count.
+// Returns false, with *error, as FindChangeInstead does.
 [[nodiscard]] bool FindLossesInstead(const KindsSearch& kinds,
                                      const ChangeOptions& options,
                                      ResultSubjects* subjects,

@@ -27,7 +27,7 @@ constexpr size_t kMostDelays = 2;
 constexpr double kPeriods = 2.0;
 constexpr Eigen::Index kShareOfRecord = 4;
 // Number of lags either way that are tried first, before the neighbours of the
-// best one.
+// best one. They look at every so many samples as they are apart.
 constexpr Eigen::Index kCoarseLags = 200;
 
 using Place = std::pair<int, int>;  // record, channel
@@ -53,10 +53,12 @@ class Correlations {
                std::vector<Matrix> simulations)
       : problem_(problem), simulations_(std::move(simulations)) {}
 
-  // Mean over `places` at a lag in samples; 0 without a simulation.
-  double At(const std::vector<Place>& places, Eigen::Index lag) const {
+  // Mean over `places` at a lag in samples; 0 without a simulation. Of the
+  // samples it takes one of `every`.
+  double At(const std::vector<Place>& places, Eigen::Index lag,
+            Eigen::Index every = 1) const {
     double sum = 0.0;
-    for (const Place& at : places) sum += At(at, lag);
+    for (const Place& at : places) sum += At(at, lag, every);
     return sum / static_cast<double>(places.size());
   }
 
@@ -65,10 +67,11 @@ class Correlations {
                     Eigen::Index widest) const {
     const Eigen::Index stride = 1 + (widest - 1) / kCoarseLags;
     Eigen::Index best = 0;
-    double most = At(places, 0);
+    Eigen::Index every = stride;
+    double most = At(places, 0, every);
     const auto look = [&](Eigen::Index lag) {
       if (std::abs(lag) > widest) return;
-      const double own = At(places, lag);
+      const double own = At(places, lag, every);
       if (own > most) {
         most = own;
         best = lag;
@@ -79,6 +82,8 @@ class Correlations {
       look(-lag);
     }
     const Eigen::Index centre = best;
+    every = 1;
+    most = At(places, centre);
     for (Eigen::Index near = 1; near < stride; ++near) {
       look(centre + near);
       look(centre - near);
@@ -87,21 +92,22 @@ class Correlations {
   }
 
  private:
-  double At(const Place& at, Eigen::Index lag) const {
+  double At(const Place& at, Eigen::Index lag, Eigen::Index every) const {
     const Matrix& simulation = simulations_[static_cast<size_t>(at.first)];
     const Vector& values = ChannelOf(problem_, at).values;
     const Eigen::Index count = values.size() - std::abs(lag);
     if (simulation.cols() != values.size() || count < 2) return 0.0;
     const Eigen::Index late = std::max<Eigen::Index>(lag, 0);
-    const auto y = values.segment(late, count).array();
-    const auto p = simulation.row(at.second)
-                       .segment(late - lag, count)
-                       .transpose()
-                       .array();
-    const auto present = y.isFinite();
-    const double product = present.select(y * p, 0.0).sum();
-    const double size = std::sqrt(present.select(y.square(), 0.0).sum() *
-                                  present.select(p.square(), 0.0).sum());
+    double product = 0.0, measured = 0.0, simulated = 0.0;
+    for (Eigen::Index k = 0; k < count; k += every) {
+      const double y = values[late + k];
+      const double p = simulation(at.second, late - lag + k);
+      if (!std::isfinite(y)) continue;
+      product += y * p;
+      measured += y * y;
+      simulated += p * p;
+    }
+    const double size = std::sqrt(measured * simulated);
     return size > 0.0 ? product / size : 0.0;
   }
 
