@@ -186,6 +186,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
   const Matrix rows = FirstRows(text, layout);
   int clock = -1;
   int named = -1;
+  int text_time = -1;
   // First column behind row numbers.
   int first = 0;
   for (size_t i = 0; i < layout.columns.size(); ++i) {
@@ -219,9 +220,14 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       is_channel = false;
       if (named < 0) named = place;
     }
+    // Clock times of an unusual form need a key, which reading them names.
+    if (column.kind == CellKind::kText && text_time < 0 &&
+        IsNameOfTime(column.short_name)) {
+      text_time = place;
+    }
     outline.is_channel.push_back(is_channel);
   }
-  outline.time_column = clock >= 0 ? clock : named;
+  outline.time_column = clock >= 0 ? clock : named >= 0 ? named : text_time;
   if (outline.time_column < 0) return outline;
   const TimeParts parts = FindTimeParts(layout, format, outline.time_column);
   for (size_t i = 0; i < outline.is_channel.size(); ++i) {

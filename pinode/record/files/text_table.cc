@@ -67,6 +67,7 @@ class TextTableReader {
     if (!layout_.IsClear(path_, error_) || !FindColumns()) return false;
     const bool plain =
         layout_.is_plain && !parts_.IsClock() && !HasLongTime() &&
+        !HasTimeOfText() &&
         !MayHaveThousands(std::string_view(text_).substr(layout_.first_row));
     if (!(plain ? ReadPlain() : ReadRows())) return false;
     if (!plain) SayLayout();
@@ -170,6 +171,12 @@ class TextTableReader {
     table_.reading = said_;
     *table = std::move(table_);
     return true;
+  }
+
+  // True for times that are neither numbers nor clocks of a known form. The
+  // message on them names other keys than that on a cell of plain CSV.
+  bool HasTimeOfText() const {
+    return time_ >= 0 && ColumnAt(time_).kind == CellKind::kText;
   }
 
   // True for times with more digits than a double has.
@@ -371,6 +378,13 @@ class TextTableReader {
       return Fail(line_number, where + Quote(cell) +
                                    " is a clock time, expected a number; name "
                                    "this column as `time` to read clock times");
+    }
+    if (place == time_ && HasTimeOfText()) {
+      return Fail(line_number,
+                  where + Quote(cell) +
+                      " is neither a number nor a known form of clock times; "
+                      "set `time_format`, such as \"%Hh%Mm%S.%f\" for "
+                      "12h30m05.25, or give `sampling_rate_hz`");
     }
     return Fail(
         line_number,

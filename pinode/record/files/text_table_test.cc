@@ -16,7 +16,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 // A format whose time is in this column.
@@ -454,69 +453,6 @@ TEST(TextTableTest, MissingValuesOfOldPrograms) {
   ASSERT_EQ(table.num_rows(), 5);
   for (const int i : {1, 2, 3}) EXPECT_TRUE(std::isnan(table.values(i, 1)));
   EXPECT_EQ(table.values(4, 1), 2.0);
-}
-
-TextOutline OutlineOf(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "outline.csv";
-  std::ofstream(path) << text;
-  TextOutline outline;
-  std::string error;
-  EXPECT_TRUE(ReadTextOutline(path, {}, &outline, &error)) << error;
-  return outline;
-}
-
-// Two loggers side by side: which channel is whose, the file does not say.
-TEST(TextOutlineTest, SecondClock) {
-  const std::string rows = "0;1;5.1;3\n0.1;2;5.2;1\n0.2;0;5.3;2\n0.3;4;5.4;9\n";
-  for (const char* names :
-       {"t1;a;t2;b\n", "Time [s];a;Time [s];b\n", "Zeit 1;a;Zeit 2;b\n"}) {
-    const TextOutline outline = OutlineOf(names + rows);
-    EXPECT_EQ(outline.time_column, 0) << names;
-    EXPECT_THAT(outline.other_clocks, ElementsAre(2)) << names;
-    EXPECT_THAT(outline.is_channel, ElementsAre(false, true, false, true));
-  }
-  // The same times twice are one clock, and temperatures are none.
-  const TextOutline same =
-      OutlineOf("t1;a;t2;b\n0;1;0;3\n0.1;2;0.1;1\n0.2;0;0.2;2\n");
-  EXPECT_THAT(same.other_clocks, IsEmpty());
-  EXPECT_THAT(same.is_channel, ElementsAre(false, true, false, true));
-  const TextOutline warm =
-      OutlineOf("t;a;T1;T2\n0;1;20.1;19\n0.1;2;20.1;18\n0.2;0;20.3;18\n");
-  EXPECT_THAT(warm.other_clocks, IsEmpty());
-  EXPECT_THAT(warm.is_channel, ElementsAre(false, true, true, true));
-}
-
-// One clock in two units, roundings or forms is one clock.
-TEST(TextOutlineTest, OneClockTwice) {
-  for (const char* text :
-       {"Time;Time [s];a\n12:00:00;0;3\n12:00:01;1;1\n12:00:02;2;2\n",
-        "Time [s];Time [ms];a\n0.1;100;3\n0.2;200;1\n0.3;300;2\n",
-        "Time;Time [ms];a\n0.1;100;3\n0.2;200;1\n0.3;300;2\n",
-        "t1;t2;a\n0.1;0.10;3\n0.2;0.20;1\n0.3;0.30;2\n"}) {
-    const TextOutline outline = OutlineOf(text);
-    EXPECT_THAT(outline.other_clocks, IsEmpty()) << text;
-    EXPECT_THAT(outline.is_channel, ElementsAre(false, false, true)) << text;
-  }
-  const TextOutline other =
-      OutlineOf("Time [s];Time [ms];a\n0.1;150;3\n0.2;250;1\n0.3;350;2\n");
-  EXPECT_THAT(other.other_clocks, ElementsAre(1));
-}
-
-TEST(TextOutlineTest, BracketThatDoesNotBegin) {
-  const TextOutline outline = OutlineOf("s];a\n0;1\n0.1;2\n0.2;4\n");
-  EXPECT_EQ(outline.time_column, 0);
-  EXPECT_THAT(outline.is_channel, ElementsAre(false, true));
-}
-
-// A channel that rises evenly beside the time is a channel.
-TEST(TextOutlineTest, RisingChannelBesideTime) {
-  const TextOutline ticks = OutlineOf(
-      "Time;a;b\n1709294400000;0.5;3\n1709294400001;1;1\n1709294400002;1.5;"
-      "2\n");
-  EXPECT_THAT(ticks.is_channel, ElementsAre(false, true, true));
-  const TextOutline ms = OutlineOf("Time [ms];a\n0;0.5\n1;1\n2;1.5\n");
-  EXPECT_EQ(ms.time_column, 0);
-  EXPECT_THAT(ms.is_channel, ElementsAre(false, true));
 }
 
 TEST(TextTableTest, GermanLoggerOfTheMeasuredData) {
