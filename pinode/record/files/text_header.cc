@@ -109,6 +109,40 @@ bool IsUnitRow(const std::vector<std::string>& cells) {
   return known > 0 && 2 * known >= filled;
 }
 
+// True for the words that loggers write in front of a row of units.
+bool IsLabelOfUnits(const std::string& cell) {
+  std::string lower = LowerCase(cell);
+  if (!lower.empty() && lower.back() == ':') lower.pop_back();
+  for (const char* label :
+       {"unit", "units", "[unit]", "[units]", "einheit", "einheiten",
+        "unit\u00E9", "unit\u00E9s", "unidad", "unidades", "unit\u00E0",
+        "unidade", "eenheid", "jednostka", "единица", "Единица", "ед. изм.",
+        "Ед. изм.",
+        "单位", "單位", "単位", "단위"}) {
+    if (lower == label) return true;
+  }
+  return false;
+}
+
+// True for a row of units behind another cell, which is a label or the name of
+// the time. Without such a word the units must repeat, which names do not:
+// "x;mm;mm".
+bool IsUnitRowBehindCell(const std::vector<std::string>& cells) {
+  if (cells.size() < 2 || cells[0].empty() || !UnitOfCell(cells[0]).empty()) {
+    return false;
+  }
+  const std::vector<std::string> units(cells.begin() + 1, cells.end());
+  if (!IsUnitRow(units)) return false;
+  if (IsLabelOfUnits(cells[0])) return true;
+  for (size_t i = 0; i < units.size(); ++i) {
+    if (!units[i].empty() &&
+        std::count(units.begin(), units.end(), units[i]) > 1) {
+      return true;
+    }
+  }
+  return false;
+}
+
 class HeaderFinder {
  public:
   HeaderFinder(const std::vector<TextLine>& lines, const TextFormat& format)
@@ -141,6 +175,12 @@ class HeaderFinder {
         header.units = i;
         header.unit_cells = std::move(cells);
         continue;
+      }
+      if (!header.has_units && i > 0 && IsUnitRowBehindCell(cells) &&
+          HasNamesAbove(run, i)) {
+        header.first_row = first_row;
+        TakeUnitsBehindCell(run, i, std::move(cells), &header);
+        return header;
       }
       // The first line of a file with a text in it is always one of names.
       const bool are_names = AreNames(cells) || (IsFirst(i) && HasText(cells));
@@ -284,6 +324,26 @@ class HeaderFinder {
       return Fits(run, &cells) && AreNames(cells);
     }
     return false;
+  }
+
+  // Takes a row of units behind another cell, and the names above it. The name
+  // of the time may be that cell.
+  void TakeUnitsBehindCell(const RowRun& run, size_t line,
+                           std::vector<std::string> units, TextHeader* header) {
+    size_t names = line - 1;
+    while (IsNoRow(lines_[names].text) || IsSeparatorLine(lines_[names].text)) {
+      --names;
+    }
+    std::vector<std::string> cells = Cells(lines_[names].text, run.delimiter);
+    if (!Fits(run, &cells)) return;  // HasNamesAbove() has seen that it does.
+    if (IsNameOfTime(units[0])) cells[0] = units[0];
+    units[0].clear();
+    header->found = true;
+    header->names = names;
+    header->cells = std::move(cells);
+    header->has_units = true;
+    header->units = line;
+    header->unit_cells = std::move(units);
   }
 
   // True for a line below a row of units, and in a file that begins with TOA5.

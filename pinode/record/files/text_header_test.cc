@@ -52,6 +52,27 @@ TEST(TextHeaderTest, NamesWithUnitsAboveOthers) {
       ElementsAre("d", "e", "f"));
 }
 
+// A label in front of the units is no name, and units that repeat are none.
+TEST(TextHeaderTest, UnitsBehindALabel) {
+  std::string rows;
+  for (int i = 1; i < 30; ++i) {
+    rows += std::to_string(i) + ",0." + std::to_string(i) + ",1.5\n";
+  }
+  for (const char* label : {"Unit", "Einheit", "Units:", "单位", "x"}) {
+    const Table table =
+        ParseWithHeader("Sampling Frequency,100 Hz\nChannel,A1,A2\n" +
+                        std::string(label) + ",gal,gal\n" + rows);
+    EXPECT_THAT(table.columns, ElementsAre("Channel", "A1", "A2")) << label;
+    EXPECT_THAT(table.units, ElementsAre("", "gal", "gal")) << label;
+    EXPECT_EQ(table.num_rows(), 29) << label;
+  }
+  const Table timed = ParseWithHeader("Kanal,A1,A2\nZeit,gal,gal\n" + rows);
+  EXPECT_THAT(timed.columns, ElementsAre("Zeit", "A1", "A2"));
+  // Different units without a label may be names.
+  EXPECT_THAT(ParseWithHeader("a,b,c\nx,g,m\n" + rows).columns,
+              ElementsAre("x", "g", "m"));
+}
+
 // Ranges with units above the names are no names.
 TEST(TextHeaderTest, RangesAboveNames) {
   const std::string rows = "0,5;1,5;2,5\n0,6;1,6;2,6\n0,7;1,7;2,7\n";
