@@ -11,6 +11,7 @@
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/files/array_table.h"
 #include "pinode/record/files/text_table.h"
+#include "pinode/record/files/text_time.h"
 #include "pinode/record/table.h"
 
 namespace pinode {
@@ -167,7 +168,10 @@ class DataFileReader {
     std::vector<std::string> texts, times;
     for (size_t i = 0; i < outline_.columns.size(); ++i) {
       const std::string& name = outline_.columns[i].name;
-      if (!outline_.is_channel[i] && IsNameOfTime(name) && name != time_) {
+      const bool is_time =
+          IsNameOfTime(name) ||
+          !UnitOfClockPart(outline_.columns[i].short_name).empty();
+      if (!outline_.is_channel[i] && is_time && name != time_) {
         times.push_back(name);
       }
       if (outline_.columns[i].kind == CellKind::kText) {

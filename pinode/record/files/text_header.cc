@@ -114,11 +114,11 @@ bool IsLabelOfUnits(const std::string& cell) {
   std::string lower = LowerCase(cell);
   if (!lower.empty() && lower.back() == ':') lower.pop_back();
   for (const char* label :
-       {"unit", "units", "[unit]", "[units]", "einheit", "einheiten",
-        "unit\u00E9", "unit\u00E9s", "unidad", "unidades", "unit\u00E0",
-        "unidade", "eenheid", "jednostka", "единица", "Единица", "ед. изм.",
-        "Ед. изм.",
-        "单位", "單位", "単位", "단위"}) {
+       {"unit",       "units",      "[unit]",      "[units]",   "einheit",
+        "einheiten",  "unit\u00E9", "unit\u00E9s", "unidad",    "unidades",
+        "unit\u00E0", "unidade",    "eenheid",     "jednostka", "единица",
+        "Единица",    "ед. изм.",   "Ед. изм.",    "单位",      "單位",
+        "単位",       "단위"}) {
     if (lower == label) return true;
   }
   return false;

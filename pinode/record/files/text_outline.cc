@@ -179,6 +179,14 @@ void FindOtherClocks(const std::string& text, const TextLayout& layout,
   }
 }
 
+// True for a part of a clock other than the seconds: a year, a day, an hour.
+// *seconds becomes the place of the first column of seconds.
+bool IsPartOfClock(const TextColumn& column, int place, int* seconds) {
+  const std::string part = UnitOfClockPart(column.short_name);
+  if (part == "s" && *seconds < 0) *seconds = place;
+  return !part.empty() && part != "s";
+}
+
 TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
                       const TextFormat& format) {
   TextOutline outline;
@@ -187,6 +195,8 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
   int clock = -1;
   int named = -1;
   int text_time = -1;
+  int seconds = -1;
+  bool has_clock_parts = false;
   // First column behind row numbers.
   int first = 0;
   for (size_t i = 0; i < layout.columns.size(); ++i) {
@@ -220,12 +230,21 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       is_channel = false;
       if (named < 0) named = place;
     }
+    if (is_number && IsPartOfClock(column, place, &seconds)) {
+      is_channel = false;
+      has_clock_parts = true;
+    }
     // Clock times of an unusual form need a key, which reading them names.
     if (column.kind == CellKind::kText && text_time < 0 &&
         IsNameOfTime(column.short_name)) {
       text_time = place;
     }
     outline.is_channel.push_back(is_channel);
+  }
+  // "Second" may be any name unless minutes or days stand beside it.
+  if (has_clock_parts && seconds >= 0) {
+    outline.is_channel[static_cast<size_t>(seconds)] = false;
+    if (named < 0) named = seconds;
   }
   outline.time_column = clock >= 0 ? clock : named >= 0 ? named : text_time;
   if (outline.time_column < 0) return outline;

@@ -77,6 +77,57 @@ TEST(TextOutlineTest, RisingChannelBesideTime) {
   EXPECT_THAT(ms.is_channel, ElementsAre(false, true));
 }
 
+// Years, days, hours and minutes beside seconds are parts of a clock.
+TEST(TextOutlineTest, PartsOfAClockAreNoChannels) {
+  const TextOutline days = OutlineOf(
+      "Year,DOY,Sec,a\n2024,65,0.1,3\n2024,65,0.2,1\n2024,65,0.3,2\n");
+  EXPECT_EQ(days.time_column, 2);
+  EXPECT_THAT(days.is_channel, ElementsAre(false, false, false, true));
+  const std::string rows =
+      "Hour;Minute;Second;a\n12;59;59.8;3\n12;59;59.9;1\n13;0;0.0;2\n13;0;0."
+      "1;4\n";
+  const TextOutline clock = OutlineOf(rows);
+  EXPECT_EQ(clock.time_column, 2);
+  EXPECT_THAT(clock.is_channel, ElementsAre(false, false, false, true));
+  TextFormat format;
+  format.time_column = "Second";
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseTextTable(rows, "r.csv", {}, format, &table, &error))
+      << error;
+  EXPECT_NEAR(table.values(3, 2), 60.1, 1e-9);
+  // Alone it may be the second of two sensors.
+  EXPECT_THAT(OutlineOf("t;first;second\n0;1;3\n0.1;2;1\n0.2;0;2\n").is_channel,
+              ElementsAre(false, true, true));
+}
+
+// A part of a clock needs a unit to be the time: a DOY of 65.25 is no seconds.
+TEST(TextOutlineTest, PartsOfAClockNeedAUnit) {
+  const std::string text = "DOY,a\n65.25,3\n65.50,1\n65.75,2\n";
+  TextFormat format;
+  format.time_column = "DOY";
+  Table table;
+  std::string error;
+  EXPECT_FALSE(ParseTextTable(text, "r.csv", {}, format, &table, &error));
+  EXPECT_THAT(error, HasSubstr("`time_unit = \"day\"`"));
+  format.time_unit = "day";
+  ASSERT_TRUE(ParseTextTable(text, "r.csv", {}, format, &table, &error))
+      << error;
+  EXPECT_EQ(table.time_unit, "day");
+  // Counts since 1970 are told by their size.
+  format = TextFormat();
+  format.time_column = "Date";
+  ASSERT_TRUE(ParseTextTable(
+      "Date,a\n1709640000000,3\n1709640000010,1\n1709640000020,2\n", "r.csv",
+      {}, format, &table, &error))
+      << error;
+  EXPECT_NEAR(table.values(2, 0), 0.02, 1e-9);
+  format.time_column = "Year";
+  EXPECT_FALSE(ParseTextTable("Year,a\n2024.5,3\n2024.6,1\n2024.7,2\n", "r.csv",
+                              {}, format, &table, &error));
+  EXPECT_THAT(error, HasSubstr("`sampling_rate_hz`"));
+}
+
 // Clock times of an unusual form are the time by their name, and reading them
 // names the key.
 TEST(TextOutlineTest, ClocksOfAnUnusualForm) {

@@ -63,6 +63,16 @@ double SecondsOf(const std::string& unit) {
              : 0.0;
 }
 
+// Why a part of a clock, whose unit is `part`, is not taken for the time.
+std::string WhyNoTime(const std::string& name, const std::string& part) {
+  return "column '" + name + "' is a part of a clock by its name. " +
+         (part == "h" || part == "min" || part == "day"
+              ? "Set `time_unit = \"" + part +
+                    "\"` if it is the whole time, or give `sampling_rate_hz`"
+              : "Set `time` to a column of the whole time, or give "
+                "`sampling_rate_hz`");
+}
+
 // Ranges of counters in seconds and in their own counts.
 std::vector<double> CounterRanges(double second) {
   std::vector<double> ranges;
@@ -193,6 +203,32 @@ std::string UnitOfTimeName(const std::string& name) {
   return SecondsOf(unit) > 0.0 ? unit : "";
 }
 
+std::string UnitOfClockPart(const std::string& name) {
+  std::string lower = LowerCase(name);
+  ReplaceAll("_", " ", &lower);
+  struct Part {
+    const char* name;
+    const char* unit;
+  };
+  constexpr Part kParts[] = {
+      {"year", "year"},     {"yr", "year"},         {"yyyy", "year"},
+      {"jahr", "year"},     {"ann\u00E9e", "year"}, {"a\u00F1o", "year"},
+      {"month", "month"},   {"monat", "month"},     {"mois", "month"},
+      {"mes", "month"},     {"date", "date"},       {"datum", "date"},
+      {"day", "day"},       {"doy", "day"},         {"day of year", "day"},
+      {"dayofyear", "day"}, {"julian day", "day"},  {"jday", "day"},
+      {"yday", "day"},      {"tag", "day"},         {"jour", "day"},
+      {"d\u00EDa", "day"},  {"hour", "h"},          {"hours", "h"},
+      {"hr", "h"},          {"stunde", "h"},        {"heure", "h"},
+      {"hora", "h"},        {"minute", "min"},      {"minutes", "min"},
+      {"minuto", "min"},    {"second", "s"},        {"sekunde", "s"},
+      {"seconde", "s"},     {"segundo", "s"}};
+  for (const Part& part : kParts) {
+    if (lower == part.name) return part.unit;
+  }
+  return "";
+}
+
 void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
                    double* range) {
   *range = 0.0;
@@ -278,6 +314,11 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
                name + " [s]', or give `sampling_rate_hz`";
       return false;
     }
+  }
+  const std::string part = UnitOfClockPart(name);
+  if (unit.empty() && !part.empty() && part != "s" && !AreEpochSeconds(times)) {
+    *error = WhyNoTime(name, part);
+    return false;
   }
   if (unit.empty() && times.size() > 1 &&
       MedianStep(times) > kLongestStepOfSeconds) {

@@ -52,6 +52,11 @@ bool IsNameOfTime(const std::string& name);
 // Returns the unit that a name alone states: "ms", "time_us". Empty if none.
 std::string UnitOfTimeName(const std::string& name);
 
+// Returns the unit of a part of a clock that stands in a column of its own, by
+// its name: "day" for "DOY" and "Tag", "s" for "Second", "year", "month" and
+// "date". Empty for other names.
+std::string UnitOfClockPart(const std::string& name);
+
 // Brings the numbers of a time column to a unit that FindTimeGrid can use:
 // finds it (*unit is that of the file, or empty), counts ticks of clocks in
 // seconds from the first row, and continues counters that start anew. Sets
