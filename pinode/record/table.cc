@@ -139,6 +139,12 @@ std::string RaggedRowMessage(const CsvRows& rows, size_t expected,
   if (delimiter == ',' && cells.size() > expected &&
       std::all_of(cells.begin(), cells.end(), IsDigits)) {
     message += "; the numbers probably have decimal commas. Use decimal points";
+  } else if (cells.size() < expected) {
+    message += "; delete the line if it is no row";
+  } else if (cells.size() == expected + 1 &&
+             StripBlanks(cells.back()).empty()) {
+    message +=
+        "; the row ends with a delimiter. End the header line with one, too";
   }
   return message;
 }
@@ -320,7 +326,7 @@ bool ParseCsvTable(std::string text, const std::string& path,
       }
       if (std::isinf(value)) {
         *error = where + "column '" + result.columns[j] + "': '" + cell +
-                 "' is not finite";
+                 "' is not finite; write nan for a missing value";
         return false;
       }
       result.values(row, static_cast<Eigen::Index>(j)) = value;

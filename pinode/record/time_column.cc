@@ -43,8 +43,10 @@ bool SelectRows(const Table& table, int column, const std::string& unit,
   std::vector<std::string> dropped;
   for (Eigen::Index i = 0; i < table.num_rows(); ++i) {
     if (std::isnan(times[i])) {
-      *error = Where(table, i) + "column '" + name +
-               "': the time is missing (NaN or an empty cell)";
+      *error =
+          Where(table, i) + "column '" + name +
+          "': the time is missing (NaN or an empty cell). Delete the line if "
+          "it is no row";
       return false;
     }
     if (i == 0 || times[i] > times[i - 1]) {

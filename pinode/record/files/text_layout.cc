@@ -72,6 +72,16 @@ class LayoutFinder {
                   "is empty, expected a header line with the columns' names "
                   "and one line a sample");
     }
+    std::vector<std::string_view> cells;
+    std::vector<std::string> storage;
+    for (const TextLine& line : lines_) {
+      for (const char delimiter : {',', ';', '\t', '|'}) {
+        if (!SplitCells(line.text, delimiter, &cells, &storage)) continue;
+        const auto lakh =
+            std::find_if(cells.begin(), cells.end(), IsLakhNumber);
+        if (lakh != cells.end()) return Fail(line.number, WhyNoLakh(*lakh));
+      }
+    }
     return Fail(0,
                 "no rows of numbers were found. Set `delimiter`, `decimal` and "
                 "`header_lines` (number of lines above the first row), and "

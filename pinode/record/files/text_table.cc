@@ -386,6 +386,9 @@ class TextTableReader {
                       "set `time_format`, such as \"%Hh%Mm%S.%f\" for "
                       "12h30m05.25, or give `sampling_rate_hz`");
     }
+    if (IsLakhNumber(cell)) {
+      return Fail(line_number, where + WhyNoLakh(cell));
+    }
     return Fail(
         line_number,
         where + Quote(cell) + " is not a number" +
@@ -403,7 +406,8 @@ class TextTableReader {
                                  ", expected " +
                                  std::to_string(layout_.num_cells) +
                                  " as in the first row (line " +
-                                 std::to_string(layout_.first_row_line) + ")");
+                                 std::to_string(layout_.first_row_line) +
+                                 "); delete the line if it is no row");
   }
 
   // Refuses numbers that can be read in two ways, and infinite ones.
@@ -414,7 +418,8 @@ class TextTableReader {
         if (!std::isinf(table_.values(i, j))) continue;
         return Fail(table_.line_numbers[static_cast<size_t>(i)],
                     "column '" + table_.columns[static_cast<size_t>(j)] +
-                        "': the number is not finite");
+                        "': the number is not finite; write nan for a missing "
+                        "value");
       }
     }
     if (!commas_.doubtful().empty() && format_.decimal == 0) {

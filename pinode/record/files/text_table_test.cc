@@ -228,7 +228,13 @@ TEST(TextTableTest, FaultsNameTheLine) {
               HasSubstr(":4: column 'a': 'OVER' is not"));
   EXPECT_THAT(ErrorOf(head + "0,2\n"), HasSubstr(":5: 1 cell, expected 2"));
   EXPECT_THAT(ErrorOf(head + "0,2;\"1\n"), HasSubstr(":5: stray quote"));
-  EXPECT_THAT(ErrorOf(head + "0,2;inf\n"), HasSubstr("not finite"));
+  EXPECT_THAT(ErrorOf(head + "0,2;inf\n"), HasSubstr("not finite; write nan"));
+  EXPECT_THAT(ErrorOf("t,a\n0,inf\n1,2\n"), HasSubstr("not finite; write nan"));
+  // Footers, and delimiters at the ends of rows alone.
+  EXPECT_THAT(ErrorOf(head + "End\n"), HasSubstr("delete the line"));
+  EXPECT_THAT(ErrorOf("t,a\n0,1.5\n1,2\nEnd\n"), HasSubstr("delete the line"));
+  EXPECT_THAT(ErrorOf("t;a\n0;1.5;\n1;2.5;\n"),
+              HasSubstr("End the header line with one"));
   EXPECT_THAT(ErrorOf("a;b\n0;5\n0;6\n1.5;7\n1,5;8\n"), HasSubstr(":5: "));
   EXPECT_THAT(ErrorOf(std::string("t,a\n0,\0"
                                   "1\n",

@@ -207,6 +207,35 @@ void CommaWatch::Add(std::string_view number) {
   if (is_decided_) doubtful_.clear();
 }
 
+bool IsLakhNumber(std::string_view cell) {
+  TakeSign(&cell);
+  cell = StripBlanks(cell);
+  const std::string_view whole = cell.substr(0, cell.find('.'));
+  if (cell.find_first_not_of("0123456789,.") != std::string_view::npos ||
+      cell.substr(whole.size()).find(',') != std::string_view::npos) {
+    return false;
+  }
+  size_t groups = 0;
+  size_t end = whole.size();
+  for (size_t at = whole.rfind(','); at != std::string_view::npos;
+       at = whole.rfind(',', end - 1)) {
+    if (end - at - 1 != (groups == 0 ? 3 : 2)) return false;
+    ++groups;
+    end = at;
+    if (end == 0) return false;
+  }
+  return groups >= 2 && end >= 1 && end <= 2;
+}
+
+std::string WhyNoLakh(std::string_view cell) {
+  std::string plain(cell);
+  plain.erase(std::remove(plain.begin(), plain.end(), ','), plain.end());
+  return Quote(cell) +
+         " has separators of lakhs, which are not read; write numbers without "
+         "separators (" +
+         plain + ")";
+}
+
 std::string WhyDoubtful(std::string_view number, char decimal) {
   TakeSign(&number);
   std::string whole(number);

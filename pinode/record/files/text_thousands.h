@@ -53,6 +53,13 @@ class CommaWatch {
   std::string doubtful_;
 };
 
+// True for a number with separators of lakhs and crores, such as 3,61,725.5:
+// three digits in the last group and two in those before it.
+bool IsLakhNumber(std::string_view cell);
+
+// Returns the sentence that refuses such a number.
+std::string WhyNoLakh(std::string_view cell);
+
 // Returns the sentence that refuses a number whose `decimal` may part
 // thousands. Its advice holds where no format can be given, too: one number
 // that is written in another way decides.

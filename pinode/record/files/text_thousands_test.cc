@@ -151,5 +151,25 @@ TEST(TextThousandsTest, CommasThatMayPartThousandsAreRefused) {
   }
 }
 
+// Separators of lakhs are refused, and the message says what to write.
+TEST(TextThousandsTest, LakhsAreRefused) {
+  EXPECT_TRUE(IsLakhNumber("3,61,725.00"));
+  EXPECT_TRUE(IsLakhNumber("-12,34,56,789"));
+  for (const char* other : {"361,725.00", "3,61,72", "1,23", "3,61.725", "",
+                            "123,45,678", ",61,725", "3,61,725 N"}) {
+    EXPECT_FALSE(IsLakhNumber(other)) << other;
+  }
+  EXPECT_THAT(WhyNoLakh("3,61,725.00"), ::testing::HasSubstr("(361725.00)"));
+  std::string text = "Time [s],F [N]\n";
+  for (int i = 10; i < 40; ++i) {
+    text +=
+        "0." + std::to_string(i) + ",\"3,61,7" + std::to_string(i) + ".50\"\n";
+  }
+  Table table;
+  std::string error;
+  EXPECT_FALSE(ParseTextTable(text, "r.csv", {}, {}, &table, &error));
+  EXPECT_THAT(error, ::testing::HasSubstr(":2: '3,61,710.50' has separators"));
+}
+
 }  // namespace
 }  // namespace pinode
