@@ -209,13 +209,7 @@ class HeaderFinder {
         TakeNamesWithUnits(run, i, &header);
       }
       if (!header.has_units && i > 0 && header.names == i) {
-        std::vector<std::string> above =
-            Cells(lines_[i - 1].text, run.delimiter);
-        if (Fits(run, &above) && IsUnitRow(above)) {
-          header.has_units = true;
-          header.units = i - 1;
-          header.unit_cells = std::move(above);
-        }
+        TakeUnitsAbove(run, i, &header);
       }
       return header;
     }
@@ -324,6 +318,16 @@ class HeaderFinder {
       return Fits(run, &cells) && AreNames(cells);
     }
     return false;
+  }
+
+  // Takes the units from the line above that of the names, if it has them.
+  void TakeUnitsAbove(const RowRun& run, size_t line, TextHeader* header) {
+    std::vector<std::string> above =
+        Cells(lines_[line - 1].text, run.delimiter);
+    if (!Fits(run, &above) || !IsUnitRow(above)) return;
+    header->has_units = true;
+    header->units = line - 1;
+    header->unit_cells = std::move(above);
   }
 
   // Takes a row of units behind another cell, and the names above it. The name
