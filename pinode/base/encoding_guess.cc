@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #endif
 
 #include "pinode/base/logging.h"
+#include "pinode/base/unit_names.h"
 
 namespace pinode {
 namespace {
@@ -156,6 +158,8 @@ int OddnessOf(const char32_t* c) {
       right != Script::kNone) {
     ++odd;
   }
+  // "μm" is a unit, and "μμ" is "мм" of Windows-1251.
+  if (c[0] == 0x3BC && c[-1] == 0x3BC) ++odd;
   if (script == Script::kNone) return odd;
   if (script == Script::kAsian) {
     // "W臠ung" is no word.
@@ -245,9 +249,96 @@ std::vector<std::string> Relatives(const std::string& answer) {
   return {};
 }
 
+// Appends the unit of a piece of a header, or "" if it is none that is known. A
+// piece of ASCII is the same in all encodings: it is left out.
+void AppendUnit(std::string_view piece, std::vector<std::string>* units) {
+  if (std::all_of(piece.begin(), piece.end(), IsAscii)) return;
+  units->push_back(CanonicalUnit(piece));
+}
+
+// Appends the units of one cell of a header: in brackets or behind ", ".
+void AppendUnitsOfCell(std::string_view cell, bool is_behind_comma,
+                       std::vector<std::string>* units) {
+  const size_t size = units->size();
+  size_t open = cell.find_first_of("[(");
+  while (open != std::string_view::npos) {
+    const size_t close = cell.find(cell[open] == '[' ? ']' : ')', open);
+    if (close == std::string_view::npos) break;
+    AppendUnit(cell.substr(open + 1, close - open - 1), units);
+    open = cell.find_first_of("[(", close);
+  }
+  if (units->size() == size && is_behind_comma) AppendUnit(cell, units);
+}
+
+bool BeginsWithBlank(std::string_view text) {
+  return !text.empty() && text.front() == ' ';
+}
+
+// Units of a text's header, each as CanonicalUnit() returns it; "" stands for a
+// piece in the place of a unit that is none.
+std::vector<std::string> UnitsOf(std::string_view text) {
+  std::vector<std::string> units;
+  std::vector<std::string> cells;  // of a line of nothing but units
+  bool is_behind_comma = false;
+  size_t begin = 0;
+  while (begin < text.size()) {
+    const size_t end =
+        std::min(text.find_first_of(",;\t\n", begin), text.size());
+    const std::string_view cell = text.substr(begin, end - begin);
+    AppendUnitsOfCell(cell, is_behind_comma && BeginsWithBlank(cell), &units);
+    AppendUnit(cell, &cells);
+    const bool is_end = end == text.size() || text[end] == '\n';
+    if (is_end) {
+      const bool is_row =
+          cells.size() > 1 && std::none_of(cells.begin(), cells.end(),
+                                           std::mem_fn(&std::string::empty));
+      if (is_row) units.insert(units.end(), cells.begin(), cells.end());
+      cells.clear();
+    }
+    is_behind_comma = !is_end && text[end] == ',';
+    begin = end + 1;
+  }
+  return units;
+}
+
+// Units that are known, as a user reads them: "N, mm".
+std::string Joined(const std::vector<std::string>& units) {
+  std::string joined;
+  for (const std::string& unit : units) {
+    if (!unit.empty()) joined += (joined.empty() ? "" : ", ") + unit;
+  }
+  return joined;
+}
+
+// Replaces words that are units by blanks: "кН" is no odd word.
+std::string WithoutUnits(const std::string& text) {
+  // No unit in one word is longer.
+  constexpr size_t kLongest = 16;
+  const auto is_of_word = [](char c) {
+    return !IsAscii(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  std::string rest = text;
+  size_t begin = 0;
+  while (begin < rest.size()) {
+    size_t end = begin;
+    while (end < rest.size() && is_of_word(rest[end])) ++end;
+    const std::string word = rest.substr(begin, end - begin);
+    if (word.size() <= kLongest &&
+        !std::all_of(word.begin(), word.end(), IsAscii) &&
+        !CanonicalUnit(word).empty()) {
+      rest.replace(begin, word.size(), word.size(), ' ');
+    }
+    begin = end + 1;
+  }
+  return rest;
+}
+
 struct Candidate {
   std::string name;
   std::string text;
+  // Units as UnitsOf() returns them, and how many of them are known.
+  std::vector<std::string> units;
+  std::ptrdiff_t num_units = 0;
   int odd = 0;
   // True if it competes with the best one: an answer of the detector, or
   // Windows-1252.
@@ -269,16 +360,23 @@ class Candidates {
     int64_t place = 0;
     if (!ConvertByIconv(name, lines_, &candidate.text, &place)) return;
     candidate.name = name;
+    candidate.units = UnitsOf(candidate.text);
+    for (const std::string& unit : candidate.units) {
+      if (!unit.empty()) ++candidate.num_units;
+    }
     candidate.odd = Oddness(candidate.text);
     candidate.is_rival = is_rival;
     all_.push_back(std::move(candidate));
   }
 
-  // Returns the first of those that look least odd.
+  // Returns the first with the most units. If there are several of them, the
+  // one that looks least odd.
   const Candidate& Best() const {
     const auto best = std::min_element(
-        all_.begin(), all_.end(),
-        [](const Candidate& a, const Candidate& b) { return a.odd < b.odd; });
+        all_.begin(), all_.end(), [](const Candidate& a, const Candidate& b) {
+          return std::pair(-a.num_units, a.odd) <
+                 std::pair(-b.num_units, b.odd);
+        });
     CHECK(best != all_.end());  // each byte is a letter of ISO-8859-1
     return *best;
   }
@@ -328,6 +426,36 @@ bool IsOfPairs(const std::string& name) {
          name == "EUC-JP" || name == "BIG5" || name == "EUC-TW";
 }
 
+// Names the best candidate, and another one that is about as likely.
+void NameBest(const Candidates& candidates, EncodingGuess* guess) {
+  const Candidate& best = candidates.Best();
+  guess->name = best.name;
+  for (const Candidate& other : candidates.all()) {
+    const bool is_same = other.text == best.text;
+    // Names of Windows are the usual ones, and above all that of the West.
+    if (is_same && (other.name == "WINDOWS-1252" ||
+                    (other.name.rfind("WINDOWS-", 0) == 0 &&
+                     guess->name.rfind("WINDOWS-", 0) != 0))) {
+      guess->name = other.name;
+    }
+    if (is_same || other.odd != best.odd) continue;
+    const bool has_other_units =
+        other.num_units > 0 && other.units != best.units;
+    if (guess->other.empty() &&
+        (has_other_units ||
+         (other.is_rival && other.num_units == best.num_units))) {
+      guess->other = other.name;
+    }
+    if (has_other_units && other.num_units == best.num_units &&
+        guess->conflict.empty()) {
+      guess->other = other.name;
+      guess->conflict = "its units are " + Joined(best.units) + " in " +
+                        guess->name + ", but " + Joined(other.units) + " in " +
+                        other.name;
+    }
+  }
+}
+
 }  // namespace
 
 bool ConvertByIconv(const std::string& encoding, const std::string& text,
@@ -357,7 +485,8 @@ bool ConvertByIconv(const std::string& encoding, const std::string& text,
 }
 
 int Oddness(const std::string& text) {
-  const std::vector<char32_t> characters = Characters("  " + text + " ");
+  const std::vector<char32_t> characters =
+      Characters("  " + WithoutUnits(text) + " ");
   int odd = 0;
   for (size_t i = 2; i + 1 < characters.size(); ++i) {
     if (characters[i] >= 0x80) odd += OddnessOf(&characters[i]);
@@ -383,31 +512,23 @@ EncodingGuess GuessEncoding(const std::string& text) {
   candidates.Add("WINDOWS-1252", true);
   candidates.Add("ISO-8859-1", false);
   EncodingGuess guess;
-  if (candidates.Best().odd > 0) {
+  guess.is_unsure = candidates.Best().odd > 0;
+  // Units of few letters tell these, which the detector takes for others.
+  candidates.Add("WINDOWS-1251", false);
+  candidates.Add("KOI8-R", false);
+  if (candidates.Best().num_units > 0 && candidates.Best().odd == 0) {
+    guess.is_unsure = !is_answered && candidates.Best().name != "WINDOWS-1252";
+  }
+  if (guess.is_unsure) {
     // One or two words in letters that the detector takes for others.
-    guess.is_unsure = true;
     for (const char* name : {"WINDOWS-1251", "KOI8-R", "WINDOWS-1253",
                              "WINDOWS-1250", "ISO-8859-2", "IBM866", "CP437"}) {
       candidates.Add(name, true);
     }
   }
-  const Candidate& best = candidates.Best();
-  guess.name = best.name;
-  for (const Candidate& other : candidates.all()) {
-    const bool is_same = other.text == best.text;
-    // Names of Windows are the usual ones, and above all that of the West.
-    if (is_same && (other.name == "WINDOWS-1252" ||
-                    (other.name.rfind("WINDOWS-", 0) == 0 &&
-                     guess.name.rfind("WINDOWS-", 0) != 0))) {
-      guess.name = other.name;
-    }
-    if (!is_same && guess.other.empty() && other.is_rival &&
-        other.odd == best.odd) {
-      guess.other = other.name;
-    }
-  }
+  NameBest(candidates, &guess);
   if (guess.other.empty() && guess.name == "WINDOWS-1252") {
-    guess.other = RivalOfIcelandic(best.text);
+    guess.other = RivalOfIcelandic(candidates.Best().text);
   }
   if (guess.other.empty() && is_answered && guess.name != "WINDOWS-1252" &&
       !IsOfPairs(guess.name) && ArePairs(lines)) {

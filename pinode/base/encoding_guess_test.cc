@@ -48,8 +48,9 @@ TextEncoding Found(const std::string& encoding, const std::string& header) {
 
 // True if the library was built with uchardet.
 bool HasDetector() {
-  return GuessEncoding(In("WINDOWS-1251", "Время [с];Ускорение")).name ==
-         "WINDOWS-1251";
+  const EncodingGuess guess =
+      GuessEncoding(In("WINDOWS-1251", "Время [с];Ускорение"));
+  return guess.name == "WINDOWS-1251" && !guess.is_unsure;
 }
 
 class EncodingGuessTest : public ::testing::Test {
@@ -160,6 +161,42 @@ TEST_F(EncodingGuessTest, LettersOfIcelandicAreDoubtful) {
   }
   EXPECT_EQ(said("WINDOWS-1252", "T\u00EDmi;Hr\u00F6\u00F0un;F\u00E6rsla"),
             "WINDOWS-1252 or WINDOWS-1254" + key);
+}
+
+// Units of one or two letters are letters of other encodings as well.
+TEST(EncodingGuessUnitTest, KnownUnitsDecide) {
+  for (const char* header : {"t;F [Н];X [мм]", "t;U1 [мВ];U2 [мВ]",
+                             "t;F1 [кН];F2 [кН]", "t;ax [мГал];ay [мГал]"}) {
+    EXPECT_EQ(Found("WINDOWS-1251", header).name, "WINDOWS-1251") << header;
+  }
+  const TextEncoding found = Found("KOI8-R", "t;X [м];V [м/с]");
+  EXPECT_EQ(found.name, "KOI8-R");
+  // Newtons in this one: a user must look.
+  EXPECT_EQ(found.other, "WINDOWS-1251");
+  EXPECT_EQ(Found("KOI8-R", "t, с;X, м;V, м/с").name, "KOI8-R");
+  // A row of units below the names.
+  EXPECT_EQ(Found("WINDOWS-1251", "t;F;X\r\nс;кН;мм").name, "WINDOWS-1251");
+}
+
+TEST(EncodingGuessUnitTest, RefusesUnitsThatMayBeOthers) {
+  for (const char* encoding : {"WINDOWS-1251", "KOI8-R"}) {
+    const std::string unit = encoding == std::string("KOI8-R") ? "м" : "Н";
+    std::string text = In(encoding, Logger("t;X [" + unit + "]"));
+    std::string error;
+    TextEncoding found;
+    EXPECT_FALSE(ConvertToUtf8("", &text, &found, &error)) << encoding;
+    EXPECT_THAT(error, HasSubstr("N in WINDOWS-1251")) << encoding;
+    EXPECT_THAT(error, HasSubstr("m in KOI8-R")) << encoding;
+    EXPECT_THAT(error, HasSubstr("set `encoding`")) << encoding;
+    // The letters of the name decide.
+    EXPECT_EQ(Found(encoding, "t;Датчик [" + unit + "]").name, encoding);
+  }
+}
+
+TEST(OddnessTest, UnitsAreNotOdd) {
+  EXPECT_EQ(Oddness("Сила кН;U мВ;a мГал"), 0);
+  EXPECT_GT(Oddness("X [μμ]"), 0);
+  EXPECT_GT(Oddness("кКанал"), 0);
 }
 
 TEST(OddnessTest, WordsThatMixScriptsAreOdd) {

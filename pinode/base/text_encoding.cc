@@ -65,20 +65,26 @@ bool Convert(const std::string& encoding, std::string* text,
 
 // Converts a text of a guessed encoding. Its rest may have other bytes than its
 // beginning: then Western Europe's encoding, in which all are letters.
-void ConvertGuess(std::string* text, TextEncoding* found) {
+// Fails if two encodings are as likely, and give different units.
+bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
   const EncodingGuess guess = GuessEncoding(*text);
   found->is_guess = true;
   found->name = guess.name;
   found->other = guess.other;
   found->is_unsure = guess.is_unsure;
+  if (!guess.conflict.empty()) {
+    *error = guess.conflict + "; set `encoding` to that of the file";
+    return false;
+  }
   std::string unused;
-  if (Convert(found->name, text, &unused)) return;
+  if (Convert(found->name, text, &unused)) return true;
   found->is_unsure = true;
   found->other.clear();
   for (const char* name : {"WINDOWS-1252", "ISO-8859-1"}) {
     found->name = name;
-    if (Convert(name, text, &unused)) return;
+    if (Convert(name, text, &unused)) return true;
   }
+  return true;
 }
 
 }  // namespace
@@ -119,8 +125,7 @@ bool ConvertToUtf8(const std::string& encoding, std::string* text,
   if (name.empty() || name == "UTF-8") {
     if (FirstInvalidUtf8(*text) == std::string::npos) return true;
     if (encoding.empty() && mark_says.empty()) {
-      ConvertGuess(text, found);
-      return true;
+      return ConvertGuess(text, found, error);
     }
   }
   if (name.empty()) name = "UTF-8";

@@ -32,8 +32,9 @@ struct TextEncoding {
 //   3. valid UTF-8 is UTF-8,
 //   4. else the guess of GuessEncoding().
 //
-// Fails for an unknown encoding, for bytes that are not text in it, and for
-// binary files. *error has no path.
+// Fails for an unknown encoding, for bytes that are not text in it, for binary
+// files, and if two guesses are as likely but give different units. *error has
+// no path.
 [[nodiscard]] bool ConvertToUtf8(const std::string& encoding, std::string* text,
                                  TextEncoding* found, std::string* error);
 
