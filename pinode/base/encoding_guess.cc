@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,16 +13,13 @@
 #include <uchardet/uchardet.h>
 #endif
 
+#include "pinode/base/header_cells.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/unit_names.h"
 
 namespace pinode {
 namespace {
 
-// Bytes at the beginning of a text that its encoding is guessed from.
-constexpr size_t kGuessBytes = size_t{1} << 18;
-// Most bytes of lines beyond ASCII that are looked at.
-constexpr size_t kMostLetters = size_t{1} << 13;
 // Names of channels are few words; the detector wants more. It sees them this
 // many times if once is not enough: "加速度" in GB18030 then is no Greek.
 constexpr int kRepetitions = 4;
@@ -180,27 +176,6 @@ int OddnessOf(const char32_t* c) {
   return odd;
 }
 
-// Lines with bytes beyond ASCII.
-std::string LinesBeyondAscii(const std::string& text) {
-  std::string lines;
-  const size_t size = std::min(text.size(), kGuessBytes);
-  size_t at = 0;
-  while (at < size && lines.size() < kMostLetters) {
-    const auto begin = text.begin() + static_cast<std::ptrdiff_t>(at);
-    const auto last = text.begin() + static_cast<std::ptrdiff_t>(size);
-    const auto found =
-        std::find_if(begin, last, [](char c) { return !IsAscii(c); });
-    if (found == last) break;
-    const size_t place = static_cast<size_t>(found - text.begin());
-    const size_t before = text.find_last_of("\r\n", place);
-    const size_t first = before == std::string::npos ? 0 : before + 1;
-    const size_t end = std::min(text.find_first_of("\r\n", place), text.size());
-    lines += text.substr(first, std::min(end - first, kMostLetters)) + "\n";
-    at = end + 1;
-  }
-  return lines;
-}
-
 // Returns the answer of uchardet, or "".
 std::string AnswerOfUchardet(const std::string& text, int repetitions) {
 #ifdef PINODE_WITH_UCHARDET
@@ -249,58 +224,6 @@ std::vector<std::string> Relatives(const std::string& answer) {
   return {};
 }
 
-// Appends the unit of a piece of a header, or "" if it is none that is known. A
-// piece of ASCII is the same in all encodings: it is left out.
-void AppendUnit(std::string_view piece, std::vector<std::string>* units) {
-  if (std::all_of(piece.begin(), piece.end(), IsAscii)) return;
-  units->push_back(CanonicalUnit(piece));
-}
-
-// Appends the units of one cell of a header: in brackets or behind ", ".
-void AppendUnitsOfCell(std::string_view cell, bool is_behind_comma,
-                       std::vector<std::string>* units) {
-  const size_t size = units->size();
-  size_t open = cell.find_first_of("[(");
-  while (open != std::string_view::npos) {
-    const size_t close = cell.find(cell[open] == '[' ? ']' : ')', open);
-    if (close == std::string_view::npos) break;
-    AppendUnit(cell.substr(open + 1, close - open - 1), units);
-    open = cell.find_first_of("[(", close);
-  }
-  if (units->size() == size && is_behind_comma) AppendUnit(cell, units);
-}
-
-bool BeginsWithBlank(std::string_view text) {
-  return !text.empty() && text.front() == ' ';
-}
-
-// Units of a text's header, each as CanonicalUnit() returns it; "" stands for a
-// piece in the place of a unit that is none.
-std::vector<std::string> UnitsOf(std::string_view text) {
-  std::vector<std::string> units;
-  std::vector<std::string> cells;  // of a line of nothing but units
-  bool is_behind_comma = false;
-  size_t begin = 0;
-  while (begin < text.size()) {
-    const size_t end =
-        std::min(text.find_first_of(",;\t\n", begin), text.size());
-    const std::string_view cell = text.substr(begin, end - begin);
-    AppendUnitsOfCell(cell, is_behind_comma && BeginsWithBlank(cell), &units);
-    AppendUnit(cell, &cells);
-    const bool is_end = end == text.size() || text[end] == '\n';
-    if (is_end) {
-      const bool is_row =
-          cells.size() > 1 && std::none_of(cells.begin(), cells.end(),
-                                           std::mem_fn(&std::string::empty));
-      if (is_row) units.insert(units.end(), cells.begin(), cells.end());
-      cells.clear();
-    }
-    is_behind_comma = !is_end && text[end] == ',';
-    begin = end + 1;
-  }
-  return units;
-}
-
 // Units that are known, as a user reads them: "N, mm".
 std::string Joined(const std::vector<std::string>& units) {
   std::string joined;
@@ -336,7 +259,7 @@ std::string WithoutUnits(const std::string& text) {
 struct Candidate {
   std::string name;
   std::string text;
-  // Units as UnitsOf() returns them, and how many of them are known.
+  // Units as UnitsOfCells() returns them, and how many of them are known.
   std::vector<std::string> units;
   std::ptrdiff_t num_units = 0;
   int odd = 0;
@@ -360,7 +283,7 @@ class Candidates {
     int64_t place = 0;
     if (!ConvertByIconv(name, lines_, &candidate.text, &place)) return;
     candidate.name = name;
-    candidate.units = UnitsOf(candidate.text);
+    candidate.units = UnitsOfCells(candidate.text);
     for (const std::string& unit : candidate.units) {
       if (!unit.empty()) ++candidate.num_units;
     }
@@ -495,7 +418,7 @@ int Oddness(const std::string& text) {
 }
 
 EncodingGuess GuessEncoding(const std::string& text) {
-  const std::string lines = LinesBeyondAscii(text);
+  const std::string lines = CellsBeyondAscii(text);
   Candidates candidates(lines);
   bool is_answered = false;
   for (const int repetitions : {1, kRepetitions}) {

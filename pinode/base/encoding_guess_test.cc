@@ -99,6 +99,16 @@ TEST_F(EncodingGuessTest, FindsCentralEuropeAndGreece) {
             "WINDOWS-1254");
 }
 
+TEST_F(EncodingGuessTest, SeesNamesBehindManyOthers) {
+  std::string ascii = "t";
+  for (int i = 0; i < 2000; ++i) ascii += ",channel";
+  EXPECT_EQ(Found("WINDOWS-1251", ascii + ",Ускорение,Время").name,
+            "WINDOWS-1251");
+  std::string names = "t";
+  for (int i = 0; i < 2000; ++i) names += ",加速度" + std::to_string(i);
+  EXPECT_EQ(Found("GB18030", names).name, "GB18030");
+}
+
 // Files of Western Europe are by far the most frequent ones. A detector alone
 // takes "²" for a letter of Lappland.
 TEST(EncodingGuessWestTest, WesternEuropeStaysItself) {
