@@ -379,10 +379,10 @@ void NameBest(const Candidates& candidates, EncodingGuess* guess) {
   }
 }
 
-}  // namespace
-
-bool ConvertByIconv(const std::string& encoding, const std::string& text,
-                    std::string* converted, int64_t* place) {
+// Converts a text. With `replaces`, U+FFFD stands for each byte that is none of
+// the encoding; else the first one ends the conversion.
+bool RunIconv(const std::string& encoding, const std::string& text,
+              bool replaces, std::string* converted, int64_t* place) {
   CHECK(converted != nullptr);
   CHECK(place != nullptr);
   converted->clear();
@@ -395,16 +395,42 @@ bool ConvertByIconv(const std::string& encoding, const std::string& text,
   size_t left = text.size();
   bool ok = true;
   std::array<char, 1 << 14> buffer;
-  while (ok && left > 0) {
+  const auto step = [&](char** source, size_t* size) {
     char* to = buffer.data();
     size_t room = buffer.size();
-    const size_t status = iconv(converter, &from, &left, &to, &room);
+    const size_t status = iconv(converter, source, size, &to, &room);
+    // Appending may change errno.
+    const int reason = errno;
     converted->append(buffer.data(), buffer.size() - room);
-    ok = status != static_cast<size_t>(-1) || errno == E2BIG;
+    return status != static_cast<size_t>(-1) || reason == E2BIG;
+  };
+  while (ok && left > 0) {
+    if (step(&from, &left)) continue;
+    if (*place < 0) *place = static_cast<int64_t>(text.size() - left);
+    ok = replaces;
+    if (!ok) break;
+    converted->append("\xEF\xBF\xBD");
+    ++from;
+    --left;
   }
+  // Some encodings hold back a character that an accent may follow.
+  if (ok) step(nullptr, nullptr);
   iconv_close(converter);
-  *place = static_cast<int64_t>(text.size() - left);
+  if (*place < 0) *place = static_cast<int64_t>(text.size());
   return ok;
+}
+
+}  // namespace
+
+bool ConvertByIconv(const std::string& encoding, const std::string& text,
+                    std::string* converted, int64_t* place) {
+  return RunIconv(encoding, text, /*replaces=*/false, converted, place);
+}
+
+bool ConvertWithReplacements(const std::string& encoding,
+                             const std::string& text, std::string* converted,
+                             int64_t* place) {
+  return RunIconv(encoding, text, /*replaces=*/true, converted, place);
 }
 
 int Oddness(const std::string& text) {

@@ -38,6 +38,13 @@ EncodingGuess GuessEncoding(const std::string& text);
                                   const std::string& text,
                                   std::string* converted, int64_t* place);
 
+// Converts as ConvertByIconv() does, with U+FFFD for each byte that is not text
+// in the encoding. *place is the first of them, or the text's size.
+[[nodiscard]] bool ConvertWithReplacements(const std::string& encoding,
+                                           const std::string& text,
+                                           std::string* converted,
+                                           int64_t* place);
+
 // Returns how odd a text of UTF-8 looks as names and units of channels: 0 for
 // one that nothing speaks against.
 int Oddness(const std::string& text);

@@ -225,6 +225,13 @@ TEST(ConvertByIconvTest, NamesThePlace) {
   EXPECT_EQ(converted, "aа");
   EXPECT_FALSE(ConvertByIconv("UTF-8", "ab\xFF", &converted, &place));
   EXPECT_EQ(place, 2);
+  EXPECT_TRUE(
+      ConvertWithReplacements("UTF-8", "a\xFF\xC3", &converted, &place));
+  EXPECT_EQ(converted, "a\xEF\xBF\xBD\xEF\xBF\xBD");
+  EXPECT_EQ(place, 1);
+  // It holds back a letter that an accent may follow.
+  EXPECT_TRUE(ConvertByIconv("BIG5-HKSCS", "\x88\x66", &converted, &place));
+  EXPECT_EQ(converted, "Ê");
   EXPECT_FALSE(ConvertByIconv("no such", "a", &converted, &place));
   EXPECT_EQ(place, -1);
 }

@@ -41,31 +41,66 @@ std::string Utf16WithoutMark(const std::string& text) {
   return "";
 }
 
-bool Convert(const std::string& encoding, std::string* text,
-             std::string* error) {
+// Returns the encoding of Windows that adds characters to another one; "":
+// there is none.
+std::string Superset(const std::string& encoding) {
+  std::string upper = encoding;
+  for (char& c : upper) {
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  for (const auto& [names, superset] :
+       {std::pair(" SHIFT_JIS SHIFT-JIS SJIS ", "CP932"),
+        std::pair(" EUC-KR EUCKR ", "UHC"),
+        std::pair(" GB2312 EUC-CN GBK ", "GB18030"),
+        std::pair(" ISO-8859-7 ", "WINDOWS-1253")}) {
+    if (std::string(names).find(" " + upper + " ") != std::string::npos) {
+      return superset;
+    }
+  }
+  return "";
+}
+
+// Says which byte is not text in an encoding. `before` is the text before it.
+std::string NotTextIn(const std::string& encoding, int64_t place,
+                      const std::string& before) {
+  const auto lines = std::count(before.begin(), before.end(), '\n') + 1;
+  return "byte " + std::to_string(place + 1) + " (line " +
+         std::to_string(lines) + ") is not text in " + encoding;
+}
+
+// Converts from found->name, or from a superset that gives the same text as far
+// as found->name goes.
+bool Convert(std::string* text, TextEncoding* found, std::string* error) {
   std::string converted;
   int64_t place = 0;
-  if (ConvertByIconv(encoding, *text, &converted, &place)) {
+  if (ConvertByIconv(found->name, *text, &converted, &place)) {
     *text = std::move(converted);
     return true;
   }
   if (place < 0) {
-    *error = "encoding '" + encoding +
+    *error = "encoding '" + found->name +
              "' is not known, expected a name that iconv knows, such as "
              "UTF-8, WINDOWS-1252, WINDOWS-1251, GB18030, SHIFT_JIS, EUC-KR "
              "or UTF-16LE";
     return false;
   }
-  const auto lines = std::count(converted.begin(), converted.end(), '\n') + 1;
-  *error = "byte " + std::to_string(place + 1) + " (line " +
-           std::to_string(lines) + ") is not text in " + encoding +
+  const std::string superset = Superset(found->name);
+  std::string whole;
+  int64_t unused = 0;
+  if (!superset.empty() && ConvertByIconv(superset, *text, &whole, &unused) &&
+      BeginsWith(whole, converted)) {
+    found->name = superset;
+    *text = std::move(whole);
+    return true;
+  }
+  *error = NotTextIn(found->name, place, converted) +
            "; set `encoding` to that of the file";
   return false;
 }
 
 // Converts a text of a guessed encoding. Its rest may have other bytes than its
-// beginning: then Western Europe's encoding, in which all are letters.
-// Fails if two encodings are as likely, and give different units.
+// beginning, whose letters stay as they are. Fails if two encodings are as
+// likely, and give different units.
 bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
   const EncodingGuess guess = GuessEncoding(*text);
   found->is_guess = true;
@@ -76,14 +111,16 @@ bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
     *error = guess.conflict + "; set `encoding` to that of the file";
     return false;
   }
-  std::string unused;
-  if (Convert(found->name, text, &unused)) return true;
-  found->is_unsure = true;
-  found->other.clear();
-  for (const char* name : {"WINDOWS-1252", "ISO-8859-1"}) {
-    found->name = name;
-    if (Convert(name, text, &unused)) return true;
+  if (Convert(text, found, error)) return true;
+  error->clear();
+  std::string converted;
+  int64_t place = 0;
+  if (!ConvertWithReplacements(found->name, *text, &converted, &place)) {
+    return false;
   }
+  found->flaw = NotTextIn(found->name, place,
+                          text->substr(0, static_cast<size_t>(place)));
+  *text = std::move(converted);
   return true;
 }
 
@@ -91,15 +128,18 @@ bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
 
 std::string TextEncoding::AsText() const {
   if (!is_guess) return name;
+  const std::string end = flaw.empty() ? "" : "; " + flaw;
   if (!other.empty()) {
     return name + " or " + other +
-           ", read as the first: set `encoding` if names look wrong";
+           ", read as the first: set `encoding` if names look wrong" + end;
   }
   if (is_unsure) {
     return name +
-           ", a guess from too few letters: set `encoding` if names look wrong";
+           ", a guess from too few letters: set `encoding` if names look "
+           "wrong" +
+           end;
   }
-  return name + " (a guess)";
+  return name + " (a guess)" + end;
 }
 
 bool ConvertToUtf8(const std::string& encoding, std::string* text,
@@ -130,7 +170,7 @@ bool ConvertToUtf8(const std::string& encoding, std::string* text,
   }
   if (name.empty()) name = "UTF-8";
   found->name = name;
-  return Convert(name, text, error);
+  return Convert(text, found, error);
 }
 
 }  // namespace pinode

@@ -18,6 +18,9 @@ struct TextEncoding {
   std::string other;
   // True if the letters look wrong, or are too few to tell.
   bool is_unsure = false;
+  // First byte that is not text in a guessed encoding, as a sentence; empty:
+  // there is none. U+FFFD stands for such bytes.
+  std::string flaw;
 
   // Returns what to tell a user: "WINDOWS-1252 (a guess)", or with the key that
   // decides.
@@ -30,8 +33,11 @@ struct TextEncoding {
 //   1. a byte order mark (UTF-8, UTF-16),
 //   2. zeros in most bytes of one parity: UTF-16,
 //   3. valid UTF-8 is UTF-8,
-//   4. else the guess of GuessEncoding().
+//   4. else the guess of GuessEncoding(). Its letters are those of the whole
+//      text: a byte that is not text in it becomes U+FFFD.
 //
+// An encoding that adds characters to the one that was found or given takes its
+// place where the text needs that: CP932 for SHIFT_JIS, UHC for EUC-KR.
 // Fails for an unknown encoding, for bytes that are not text in it, for binary
 // files, and if two guesses are as likely but give different units. *error has
 // no path.
