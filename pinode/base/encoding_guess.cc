@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -259,13 +260,21 @@ std::string WithoutUnits(const std::string& text) {
 struct Candidate {
   std::string name;
   std::string text;
-  // Units as UnitsOfCells() returns them, and how many of them are known.
+  // Units as UnitsOfCells() returns them, how many of them are known, and how
+  // many of those have more than one letter.
   std::vector<std::string> units;
-  std::ptrdiff_t num_units = 0;
+  int num_units = 0;
+  int num_words = 0;
   int odd = 0;
   // True if it competes with the best one: an answer of the detector, or
   // Windows-1252.
   bool is_rival = false;
+
+  // A unit such as "кН" weighs as much as one odd letter. A unit of one letter
+  // is a weak hint: "ч" (hours) of Windows-1251 is "В" (volts) in KOI8-R, so
+  // the words come before it.
+  int Score() const { return odd - num_words; }
+  std::tuple<int, int, int> Rank() const { return {Score(), odd, -num_units}; }
 };
 
 // Candidates for the encoding of some lines, the likeliest first.
@@ -286,19 +295,18 @@ class Candidates {
     candidate.units = UnitsOfCells(candidate.text);
     for (const std::string& unit : candidate.units) {
       if (!unit.empty()) ++candidate.num_units;
+      if (unit.size() > 1) ++candidate.num_words;
     }
     candidate.odd = Oddness(candidate.text);
     candidate.is_rival = is_rival;
     all_.push_back(std::move(candidate));
   }
 
-  // Returns the first with the most units. If there are several of them, the
-  // one that looks least odd.
+  // Returns the first of those that nothing is better than.
   const Candidate& Best() const {
     const auto best = std::min_element(
         all_.begin(), all_.end(), [](const Candidate& a, const Candidate& b) {
-          return std::pair(-a.num_units, a.odd) <
-                 std::pair(-b.num_units, b.odd);
+          return a.Rank() < b.Rank();
         });
     CHECK(best != all_.end());  // each byte is a letter of ISO-8859-1
     return *best;
@@ -361,16 +369,15 @@ void NameBest(const Candidates& candidates, EncodingGuess* guess) {
                      guess->name.rfind("WINDOWS-", 0) != 0))) {
       guess->name = other.name;
     }
-    if (is_same || other.odd != best.odd) continue;
+    const bool is_equal = other.Rank() == best.Rank();
     const bool has_other_units =
-        other.num_units > 0 && other.units != best.units;
-    if (guess->other.empty() &&
-        (has_other_units ||
-         (other.is_rival && other.num_units == best.num_units))) {
+        other.num_units > 0 && other.units != best.units &&
+        (other.odd == best.odd || other.Score() == best.Score());
+    if (is_same || (!is_equal && !has_other_units)) continue;
+    if (guess->other.empty() && (has_other_units || other.is_rival)) {
       guess->other = other.name;
     }
-    if (has_other_units && other.num_units == best.num_units &&
-        guess->conflict.empty()) {
+    if (has_other_units && is_equal && guess->conflict.empty()) {
       guess->other = other.name;
       guess->conflict = "its units are " + Joined(best.units) + " in " +
                         guess->name + ", but " + Joined(other.units) + " in " +

@@ -25,9 +25,9 @@ struct EncodingGuess {
 // Guesses the encoding of a text that is neither ASCII nor UTF-8. uchardet
 // looks at the lines with bytes beyond ASCII, as far as the first 256 KiB. Its
 // answer competes with Windows-1252 and with the encodings that are often
-// mistaken for each other. The one with the most known units wins, then the one
-// whose text looks least odd: words that mix scripts, symbols and capitals
-// inside words, and control characters are odd. Without uchardet only encodings
+// mistaken for each other. The one whose text looks least odd wins: words that
+// mix scripts, symbols and capitals inside words, and control characters are
+// odd. Known units speak for an encoding. Without uchardet only encodings
 // of one byte are tried, and a guess other than Windows-1252 is unsure.
 EncodingGuess GuessEncoding(const std::string& text);
 

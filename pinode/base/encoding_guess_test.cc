@@ -188,6 +188,14 @@ TEST(EncodingGuessUnitTest, KnownUnitsDecide) {
   EXPECT_EQ(Found("WINDOWS-1251", "t;F;X\r\nс;кН;мм").name, "WINDOWS-1251");
 }
 
+// "ч" (hours) is "В" (volts) in KOI8-R, "о" is "Н", and "НН" is "мм".
+TEST(EncodingGuessUnitTest, NamesDecideBeforeLettersInBrackets) {
+  for (const char* header :
+       {"Время (ч)", "Время;Канал (о)", "t;Канал (НН)", "t;Ускорение, Н"}) {
+    EXPECT_EQ(Found("WINDOWS-1251", header).name, "WINDOWS-1251") << header;
+  }
+}
+
 TEST(EncodingGuessUnitTest, RefusesUnitsThatMayBeOthers) {
   for (const char* encoding : {"WINDOWS-1251", "KOI8-R"}) {
     const std::string unit = encoding == std::string("KOI8-R") ? "м" : "Н";
