@@ -14,8 +14,8 @@ namespace {
 
 using Alias = std::pair<const char*, const char*>;
 
-// Other names of units, in lower case. A name whose meaning depends on the
-// case (mN and MN) is not here.
+// Other names of units: ASCII in lower case, other letters as they are written.
+// A name whose meaning depends on the case (mN and MN) is not here.
 constexpr Alias kAliases[] = {{"sec", "s"},
                               {"secs", "s"},
                               {"second", "s"},
@@ -71,6 +71,7 @@ constexpr Alias kAliases[] = {{"sec", "s"},
                               {"мс", "ms"},
                               {"мкс", "us"},
                               {"мин", "min"},
+                              {"ч", "h"},
                               {"Гал", "gal"},
                               {"гал", "gal"},
                               {"мГал", "mgal"},
@@ -258,6 +259,9 @@ void SplitUnitOfName(std::string_view text, std::string* name,
         end.find('/') == std::string_view::npos) {
       continue;
     }
+    // "Ускорение, В" is the one to the east (восток) or upwards (вверх).
+    const std::string_view word = StripBlanks(end);
+    if (joint == ", " && (word == "В" || word == "Н")) continue;
     *unit = known;
     *name = std::string(StripBlanks(text.substr(0, at)));
     return;

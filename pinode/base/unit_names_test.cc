@@ -91,6 +91,17 @@ TEST(UnitNamesTest, KnowsSymbolsInOtherScripts) {
   EXPECT_EQ(CanonicalUnit("г"), "");
   std::string name;
   std::string unit;
+  // Directions: upwards or to the east, and downwards.
+  for (const char* direction : {"Ускорение, В", "Ускорение, Н "}) {
+    SplitUnitOfName(direction, &name, &unit);
+    EXPECT_EQ(unit, "") << direction;
+  }
+  SplitUnitOfName("Сила, кН", &name, &unit);
+  EXPECT_EQ(unit, "kN");
+  SplitUnitOfName("Напряжение [В]", &name, &unit);
+  EXPECT_EQ(unit, "V");
+  SplitUnitOfName("Время (ч)", &name, &unit);
+  EXPECT_EQ(unit, "h");
   SplitUnitOfName("Ускорение, м/с²", &name, &unit);
   EXPECT_EQ(name, "Ускорение");
   EXPECT_EQ(unit, "m/s^2");
