@@ -33,6 +33,9 @@ bool IsIn(char32_t c, char32_t first, char32_t last) {
   return c >= first && c <= last;
 }
 
+// True for letters of Katakana that Japanese loggers write in one byte.
+bool IsHalfWidthKana(char32_t c) { return IsIn(c, 0xFF66, 0xFF9F); }
+
 Script ScriptOf(char32_t c) {
   if (IsIn(c, 'A', 'Z') || IsIn(c, 'a', 'z')) return Script::kAscii;
   if (IsIn(c, 0xC0, 0x24F) && c != 0xD7 && c != 0xF7) return Script::kLatin;
@@ -42,7 +45,7 @@ Script ScriptOf(char32_t c) {
   if (c == 0x3B5 || c == 0x3BC) return Script::kNone;
   if (IsIn(c, 0x386, 0x3CE)) return Script::kGreek;
   if (IsIn(c, 0x3040, 0x30FF) || IsIn(c, 0x4E00, 0x9FFF) ||
-      IsIn(c, 0xAC00, 0xD7A3)) {
+      IsIn(c, 0xAC00, 0xD7A3) || IsHalfWidthKana(c)) {
     return Script::kAsian;
   }
   return Script::kNone;
@@ -92,7 +95,7 @@ int OddnessOfLoneLetter(const char32_t* c) {
 bool IsOddAnywhere(char32_t c) {
   return IsIn(c, 0x80, 0x9F) || IsIn(c, 0x2500, 0x259F) ||
          IsIn(c, 0x384, 0x385) || IsIn(c, 0xE000, 0xF8FF) ||
-         IsIn(c, 0xFF61, 0xFF9F) || c >= 0x10000;
+         IsIn(c, 0xFF61, 0xFF65) || c >= 0x10000;
 }
 
 // Characters of a valid text of UTF-8.
@@ -137,6 +140,18 @@ int OddnessOfLatin(const char32_t* c) {
   return before == Script::kLatin || is_whole ? 1 : 0;
 }
 
+// Oddness of Katakana of half the width: one alone, or beside a letter of
+// another script, is an accent of Western Europe.
+int OddnessOfHalfWidthKana(const char32_t* c) {
+  const bool is_alone = !IsHalfWidthKana(c[-1]) && !IsHalfWidthKana(c[1]);
+  const auto is_of_other_script = [](char32_t neighbour) {
+    const Script script = ScriptOf(neighbour);
+    return script != Script::kNone && script != Script::kAsian;
+  };
+  return is_alone || is_of_other_script(c[-1]) || is_of_other_script(c[1]) ? 1
+                                                                           : 0;
+}
+
 // Oddness of the character c[0] beyond ASCII. It has two neighbours on the left
 // and one on the right.
 int OddnessOf(const char32_t* c) {
@@ -159,6 +174,7 @@ int OddnessOf(const char32_t* c) {
   if (c[0] == 0x3BC && c[-1] == 0x3BC) ++odd;
   if (script == Script::kNone) return odd;
   if (script == Script::kAsian) {
+    if (IsHalfWidthKana(c[0])) return odd + OddnessOfHalfWidthKana(c);
     // "W臠ung" is no word.
     return odd + (left == Script::kAscii && right == Script::kAscii ? 1 : 0);
   }
@@ -218,8 +234,9 @@ std::vector<std::string> Relatives(const std::string& answer) {
     }
   }
   // The detector takes "²" for a letter of Northern Europe.
-  for (const char* name : {"GB18030", "BIG5", "EUC-JP", "EUC-TW", "KOI8-U",
-                           "MAC-CYRILLIC", "IBM855", "IBM852", "TIS-620"}) {
+  for (const char* name :
+       {"GB18030", "BIG5", "EUC-JP", "EUC-TW", "KOI8-U", "MAC-CYRILLIC",
+        "IBM855", "IBM852", "TIS-620", "WINDOWS-1255", "WINDOWS-1256"}) {
     if (answer == name) return {answer};
   }
   return {};
@@ -361,6 +378,7 @@ bool IsOfPairs(const std::string& name) {
 void NameBest(const Candidates& candidates, EncodingGuess* guess) {
   const Candidate& best = candidates.Best();
   guess->name = best.name;
+  guess->fits = best.odd == 0;
   for (const Candidate& other : candidates.all()) {
     const bool is_same = other.text == best.text;
     // Names of Windows are the usual ones, and above all that of the West.
@@ -477,8 +495,9 @@ EncodingGuess GuessEncoding(const std::string& text) {
   }
   if (guess.is_unsure) {
     // One or two words in letters that the detector takes for others.
-    for (const char* name : {"WINDOWS-1251", "KOI8-R", "WINDOWS-1253",
-                             "WINDOWS-1250", "ISO-8859-2", "IBM866", "CP437"}) {
+    for (const char* name :
+         {"WINDOWS-1251", "KOI8-R", "WINDOWS-1253", "WINDOWS-1250",
+          "ISO-8859-2", "IBM866", "CP437", "CP932"}) {
       candidates.Add(name, true);
     }
   }

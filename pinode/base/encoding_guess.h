@@ -17,6 +17,8 @@ struct EncodingGuess {
   std::string other;
   // True if the letters look wrong, or are too few to tell.
   bool is_unsure = false;
+  // False if the letters look wrong in all encodings.
+  bool fits = true;
   // Reason to refuse the text: `name` and `other` are equally likely, and give
   // different known units. Empty: there is none.
   std::string conflict;

@@ -87,6 +87,13 @@ TEST_F(EncodingGuessTest, FindsChineseJapaneseAndKorean) {
   EXPECT_EQ(Found("EUC-KR", "가속도").name, "UHC");
 }
 
+TEST_F(EncodingGuessTest, FindsKatakanaOfHalfTheWidth) {
+  for (const char* header : {"時刻,ﾁｬﾝﾈﾙ1(gal)", "時刻,ﾁｬﾝﾈﾙ1,ﾁｬﾝﾈﾙ2"}) {
+    const std::string name = Found("CP932", header).name;
+    EXPECT_TRUE(name == "SHIFT_JIS" || name == "CP932") << header << name;
+  }
+}
+
 TEST_F(EncodingGuessTest, FindsCentralEuropeAndGreece) {
   EXPECT_EQ(
       Found("WINDOWS-1250", "Czas [s];Przyspieszenie środek;Ugięcie").name,
@@ -173,6 +180,18 @@ TEST_F(EncodingGuessTest, LettersOfIcelandicAreDoubtful) {
             "WINDOWS-1252 or WINDOWS-1254" + key);
 }
 
+TEST_F(EncodingGuessTest, SaysThatNoEncodingFits) {
+  std::string text =
+      "t;a\xA4z\xD7q\xF7"
+      "A\xAEw;\xB4z\xD8\xA9\xBF"
+      "x\n1;2;3\n";
+  TextEncoding found;
+  std::string error;
+  ASSERT_TRUE(ConvertToUtf8("", &text, &found, &error));
+  EXPECT_FALSE(found.fits);
+  EXPECT_THAT(found.AsText(), HasSubstr("no known encoding fits"));
+}
+
 // Units of one or two letters are letters of other encodings as well.
 TEST(EncodingGuessUnitTest, KnownUnitsDecide) {
   for (const char* header : {"t;F [Н];X [мм]", "t;U1 [мВ];U2 [мВ]",
@@ -209,6 +228,12 @@ TEST(EncodingGuessUnitTest, RefusesUnitsThatMayBeOthers) {
     // The letters of the name decide.
     EXPECT_EQ(Found(encoding, "t;Датчик [" + unit + "]").name, encoding);
   }
+}
+
+TEST(OddnessTest, KatakanaOfHalfTheWidthIsInRuns) {
+  EXPECT_EQ(Oddness("ﾁｬﾝﾈﾙ1;加速度ｾﾝｻ"), 0);
+  EXPECT_GT(Oddness("a ﾁ"), 0);
+  EXPECT_GT(Oddness("Wﾁｬng"), 0);
 }
 
 TEST(OddnessTest, UnitsAreNotOdd) {

@@ -107,6 +107,7 @@ bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
   found->name = guess.name;
   found->other = guess.other;
   found->is_unsure = guess.is_unsure;
+  found->fits = guess.fits;
   if (!guess.conflict.empty()) {
     *error = guess.conflict + "; set `encoding` to that of the file";
     return false;
@@ -129,6 +130,11 @@ bool ConvertGuess(std::string* text, TextEncoding* found, std::string* error) {
 std::string TextEncoding::AsText() const {
   if (!is_guess) return name;
   const std::string end = flaw.empty() ? "" : "; " + flaw;
+  if (!fits) {
+    return name +
+           ", but no known encoding fits: set `encoding` if names look wrong" +
+           end;
+  }
   if (!other.empty()) {
     return name + " or " + other +
            ", read as the first: set `encoding` if names look wrong" + end;

@@ -18,6 +18,8 @@ struct TextEncoding {
   std::string other;
   // True if the letters look wrong, or are too few to tell.
   bool is_unsure = false;
+  // False if the letters look wrong in all encodings that were tried.
+  bool fits = true;
   // First byte that is not text in a guessed encoding, as a sentence; empty:
   // there is none. U+FFFD stands for such bytes.
   std::string flaw;
