@@ -11,8 +11,8 @@ namespace pinode {
 struct TextEncoding {
   // Name, as iconv knows it.
   std::string name = "UTF-8";
-  // True if letters beyond ASCII may be others. Numbers and delimiters are the
-  // same in all encodings that are guessed.
+  // True if letters beyond ASCII may be others. Rows of numbers are the same; a
+  // sign of an Asian name may look like a bar or a bracket.
   bool is_guess = false;
   // Another encoding that is about as likely; empty: none is known.
   std::string other;
