@@ -91,6 +91,18 @@ std::string BaseOfTime(const TextColumn& column) {
   return IsNameOfTime(plain) ? plain : "";
 }
 
+// True if "Час" is the hour, as in Russian, beside minutes or seconds. In
+// Ukrainian it is the time.
+bool IsHour(const std::string& name, const std::vector<TextColumn>& columns) {
+  if (name != "Час" && name != "час") return false;
+  return std::any_of(columns.begin(), columns.end(),
+                     [](const TextColumn& column) {
+                       const std::string& other = column.short_name;
+                       return other == "Мин" || other == "мин" ||
+                              other == "Сек" || other == "сек";
+                     });
+}
+
 // True if two columns have other cells in one of the first rows.
 bool Differ(const std::string& text, const TextLayout& layout, int first,
             int second) {
@@ -213,7 +225,9 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       // Row numbers, and an unknown first column that rises evenly.
       if (whole && step == 1.0) {
         is_channel = false;
-        const bool is_time = are_ticks || IsNameOfTime(column.short_name);
+        const bool is_time =
+            are_ticks || (IsNameOfTime(column.short_name) &&
+                          !IsHour(column.short_name, layout.columns));
         if (place == first && !is_time) ++first;
       }
       if (place == first || are_ticks) {
@@ -228,7 +242,9 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     }
     if (is_number && IsNameOfTime(column.short_name)) {
       is_channel = false;
-      if (named < 0) named = place;
+      if (named < 0 && !IsHour(column.short_name, layout.columns)) {
+        named = place;
+      }
     }
     if (is_number && IsPartOfClock(column, place, &seconds)) {
       is_channel = false;

@@ -126,6 +126,20 @@ TEST(TextTableTest, RussianLogger) {
   EXPECT_THAT(error, HasSubstr("set `encoding` if names look wrong"));
 }
 
+// "Час" is the time in Ukrainian and the hour in Russian.
+TEST(TextTableTest, HoursAreNoTimes) {
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(ParseTextOutline("Час;X\n0;3\n0.01;4\n0.02;5\n", "f.csv", {},
+                               &outline, &error));
+  EXPECT_EQ(outline.time_column, 0);
+  ASSERT_TRUE(
+      ParseTextOutline("X;Час;Мин;Сек\n3;9;1;2.5\n5;9;1;2.6\n4;9;1;2.7\n",
+                       "f.csv", {}, &outline, &error));
+  EXPECT_EQ(outline.time_column, -1);
+  EXPECT_FALSE(outline.is_channel[1]);
+}
+
 TEST(TextTableTest, ColumnsAreFoundWithoutTheirUnits) {
   Table table;
   std::string error;
