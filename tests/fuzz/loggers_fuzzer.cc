@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     std::string error;
     const auto wanted = [all](const pinode::LoggerChannel&) { return all; };
     const bool is_read = pinode::ParseLoggedFile(
-        bytes, "fuzzed", PINODE_FUZZED_FORMAT, wanted, &file, &error);
+        bytes, "fuzzed", PINODE_FUZZED_FORMAT, "", wanted, &file, &error);
     if (is_read != error.empty()) __builtin_trap();
     if (!is_read || !all) continue;
     pinode::Table table;

@@ -129,11 +129,14 @@ bool FindBinaryColumns(const std::string& path, const LogOptions& options,
     // The headers alone: channels that are ignored need not be readable.
     LoggedFile file;
     const auto none = [](const LoggerChannel&) { return false; };
-    if (!ReadLoggedFile(path, format, none, &file, error)) return false;
+    if (!ReadLoggedFile(path, format, options.format.encoding, none, &file,
+                        error)) {
+      return false;
+    }
     *columns = AllLoggerColumns(file);
   } else {
     Table table;
-    if (!ReadTable(path, {}, {}, &table, error)) return false;
+    if (!ReadTable(path, {}, options.format, &table, error)) return false;
     *columns = table.columns;
   }
   const auto is_ignored = [&options](const std::string& name) {
@@ -198,7 +201,8 @@ bool ReadBinaryLog(const LogOptions& options, LogFile* log,
   if (needs_time) columns.insert(columns.begin(), log->time_column);
   Table table;
   TimeGrid grid;
-  if (!ReadTable(log->path, columns, {}, &table, error)) return false;
+  if (!ReadTable(log->path, columns, options.format, &table, error))
+    return false;
   log->is_time_unit_assumed =
       needs_time && options.time_unit.empty() && table.time_unit.empty();
   if (!FindStep(table, options, log, &grid, question, error)) return false;
@@ -239,7 +243,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
   result.path = path;
   result.sampling_rate_hz = options.sampling_rate_hz;
   result.time_unit = options.time_unit;
-  if (!IsTextFile(path)) {
+  if (!IsTextFile(path, options.format)) {
     if (!ReadBinaryLog(options, &result, question, error)) return false;
     *log = std::move(result);
     return true;

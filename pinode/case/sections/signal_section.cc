@@ -25,12 +25,15 @@ std::string UnitOfFile(const TomlTable& record, const SignalSection& signal) {
       record.errors()->data().Has(signal.file)) {
     return "";
   }
-  const LoggerFormat logger = FindLoggerFormat(signal.file);
-  if (logger != LoggerFormat::kNone) {
-    return UnitOfLoggerChannel(signal.file, logger, signal.column);
+  if (!ReadTextFormat(record, &format)) return "";
+  if (!IsTextFile(signal.file, format)) {
+    const LoggerFormat logger = FindLoggerFormat(signal.file);
+    return logger == LoggerFormat::kNone
+               ? ""
+               : UnitOfLoggerChannel(signal.file, logger, format.encoding,
+                                     signal.column);
   }
-  if (!IsTextFile(signal.file) || !ReadTextFormat(record, &format) ||
-      !ReadTextOutline(signal.file, format, &outline, &error)) {
+  if (!ReadTextOutline(signal.file, format, &outline, &error)) {
     return "";
   }
   for (const TextColumn& column : outline.columns) {

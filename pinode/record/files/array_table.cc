@@ -169,9 +169,13 @@ bool ReadArrayTable(const std::string& path,
   return true;
 }
 
-bool IsTextFile(const std::string& path) {
-  return !IsUniversalFile(path) && !IsArrayFile(path) &&
-         FindLoggerFormat(path) == LoggerFormat::kNone;
+bool IsTextFile(const std::string& path, const TextFormat& format) {
+  if (IsUniversalFile(path) || IsArrayFile(path)) return false;
+  const LoggerFormat logger = FindLoggerFormat(path);
+  if (logger == LoggerFormat::kNone) return true;
+  // Who says how the text of an LVM file is laid out wants it read as text.
+  const bool is_laid_out = format.header_lines >= 0 || format.delimiter != 0;
+  return logger == LoggerFormat::kLvm && is_laid_out;
 }
 
 bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
@@ -180,14 +184,11 @@ bool ReadTable(const std::string& path, const std::vector<std::string>& wanted,
     return ReadUniversalTable(path, wanted, table, error);
   }
   if (IsArrayFile(path)) return ReadArrayTable(path, wanted, table, error);
-  const LoggerFormat logger = FindLoggerFormat(path);
-  // Who says how the text of an LVM file is laid out wants it read as text.
-  const bool is_laid_out = format.header_lines >= 0 || format.delimiter != 0;
-  if (logger != LoggerFormat::kNone &&
-      !(logger == LoggerFormat::kLvm && is_laid_out)) {
-    return ReadLoggerTable(path, logger, wanted, table, error);
+  if (IsTextFile(path, format)) {
+    return ReadTextTable(path, wanted, format, table, error);
   }
-  return ReadTextTable(path, wanted, format, table, error);
+  return ReadLoggerTable(path, FindLoggerFormat(path), format.encoding, wanted,
+                         table, error);
 }
 
 }  // namespace pinode

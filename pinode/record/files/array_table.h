@@ -33,8 +33,9 @@ namespace pinode {
                              const TextFormat& format, Table* table,
                              std::string* error);
 
-// True if ReadTable takes the file for text.
-bool IsTextFile(const std::string& path);
+// True if ReadTable takes the file for text in columns. A format with header
+// lines or a delimiter makes an LVM file one.
+bool IsTextFile(const std::string& path, const TextFormat& format = {});
 
 }  // namespace pinode
 

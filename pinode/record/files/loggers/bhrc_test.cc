@@ -102,7 +102,7 @@ TEST(BhrcTest, ATableByItsBeginning) {
   std::string error;
   LoggedFile file;
   ASSERT_TRUE(ReadLoggedFile(
-      path, LoggerFormat::kStrongMotion,
+      path, LoggerFormat::kStrongMotion, "",
       [](const LoggerChannel&) { return true; }, &file, &error))
       << error;
   ASSERT_TRUE(MakeLoggerTable(file, path, {"t", "T3"}, &table, &error))

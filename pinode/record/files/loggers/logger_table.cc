@@ -70,47 +70,11 @@ LoggerFormat FormatOfExtension(const std::string& path) {
   return LoggerFormat::kNone;
 }
 
-bool IsLoggerText(LoggerFormat format) {
-  return format == LoggerFormat::kKnet || format == LoggerFormat::kLvm ||
-         format == LoggerFormat::kStrongMotion;
-}
-
-}  // namespace
-
-LoggerFormat FindLoggerFormat(const std::string& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) return LoggerFormat::kNone;
-  std::array<char, kLoggerBeginning> begin;
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  const LoggerFormat format = FormatOfBeginning(
-      std::string_view(begin.data(), static_cast<size_t>(file.gcount())));
-  return format != LoggerFormat::kNone ? format : FormatOfExtension(path);
-}
-
-bool ReadLoggedFile(const std::string& path, LoggerFormat format,
-                    const ChannelFilter& wanted, LoggedFile* file,
-                    std::string* error) {
-  std::string bytes;
-  return ReadTextOfAnyEncoding(path, &bytes, error) &&
-         ParseLoggedFile(bytes, path, format, wanted, file, error);
-}
-
-bool ParseLoggedFile(const std::string& bytes, const std::string& path,
-                     LoggerFormat format, const ChannelFilter& wanted,
-                     LoggedFile* file, std::string* error) {
-  CHECK(file != nullptr);
-  CHECK(error != nullptr);
-  std::string text;
-  if (IsLoggerText(format)) {
-    text = bytes;
-    TextEncoding encoding;
-    std::string what;
-    if (!ConvertToUtf8("", &text, &encoding, &what)) {
-      *error = path + ": " + what;
-      return false;
-    }
-  }
+// Parses a file whose text, if it is one, is in UTF-8.
+bool ParseBytesOrText(const std::string& bytes, const std::string& text,
+                      const std::string& path, LoggerFormat format,
+                      const ChannelFilter& wanted, LoggedFile* file,
+                      std::string* error) {
   switch (format) {
     case LoggerFormat::kKnet:
       return ParseKnet(text, path, wanted, file, error);
@@ -133,7 +97,59 @@ bool ParseLoggedFile(const std::string& bytes, const std::string& path,
   return false;
 }
 
+}  // namespace
+
+bool IsLoggerText(LoggerFormat format) {
+  return format == LoggerFormat::kKnet || format == LoggerFormat::kLvm ||
+         format == LoggerFormat::kStrongMotion;
+}
+
+LoggerFormat FindLoggerFormat(const std::string& path) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) return LoggerFormat::kNone;
+  std::array<char, kLoggerBeginning> begin;
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), begin.size());
+  const LoggerFormat format = FormatOfBeginning(
+      std::string_view(begin.data(), static_cast<size_t>(file.gcount())));
+  return format != LoggerFormat::kNone ? format : FormatOfExtension(path);
+}
+
+bool ReadLoggedFile(const std::string& path, LoggerFormat format,
+                    const std::string& encoding, const ChannelFilter& wanted,
+                    LoggedFile* file, std::string* error) {
+  std::string bytes;
+  return ReadTextOfAnyEncoding(path, &bytes, error) &&
+         ParseLoggedFile(bytes, path, format, encoding, wanted, file, error);
+}
+
+bool ParseLoggedFile(const std::string& bytes, const std::string& path,
+                     LoggerFormat format, const std::string& encoding,
+                     const ChannelFilter& wanted, LoggedFile* file,
+                     std::string* error) {
+  CHECK(file != nullptr);
+  CHECK(error != nullptr);
+  std::string text;
+  TextEncoding found;
+  if (IsLoggerText(format)) {
+    text = bytes;
+    std::string what;
+    if (!ConvertToUtf8(encoding, &text, &found, &what)) {
+      *error = path + ": " + what;
+      return false;
+    }
+  }
+  if (!ParseBytesOrText(bytes, text, path, format, wanted, file, error)) {
+    return false;
+  }
+  if (found.name != "UTF-8") {
+    file->remarks.push_back("text in " + found.AsText());
+  }
+  return true;
+}
+
 bool ReadLoggerTable(const std::string& path, LoggerFormat format,
+                     const std::string& encoding,
                      const std::vector<std::string>& wanted, Table* table,
                      std::string* error) {
   std::set<std::string> names(wanted.begin(), wanted.end());
@@ -146,16 +162,17 @@ bool ReadLoggerTable(const std::string& path, LoggerFormat format,
            names.count(channel.short_name) > 0;
   };
   LoggedFile file;
-  return ReadLoggedFile(path, format, is_wanted, &file, error) &&
+  return ReadLoggedFile(path, format, encoding, is_wanted, &file, error) &&
          MakeLoggerTable(file, path, wanted, table, error);
 }
 
 std::string UnitOfLoggerChannel(const std::string& path, LoggerFormat format,
+                                const std::string& encoding,
                                 const std::string& name) {
   LoggedFile file;
   std::string error;
   const auto none = [](const LoggerChannel&) { return false; };
-  if (!ReadLoggedFile(path, format, none, &file, &error)) return "";
+  if (!ReadLoggedFile(path, format, encoding, none, &file, &error)) return "";
   std::string unit;
   for (const LoggerChannel& channel : file.channels) {
     if (channel.name == name) return CanonicalUnit(channel.unit);

@@ -26,26 +26,33 @@ enum class LoggerFormat {
 // cannot be read.
 LoggerFormat FindLoggerFormat(const std::string& path);
 
+// True for formats of text, whose encoding matters.
+bool IsLoggerText(LoggerFormat format);
+
 // Reads a file of a format that FindLoggerFormat() returns. Text may be
-// compressed (.gz).
+// compressed (.gz). `encoding` is that of text; empty: found.
 [[nodiscard]] bool ReadLoggedFile(const std::string& path, LoggerFormat format,
+                                  const std::string& encoding,
                                   const ChannelFilter& wanted, LoggedFile* file,
                                   std::string* error);
 
 // Does the same for bytes in memory.
 [[nodiscard]] bool ParseLoggedFile(const std::string& bytes,
                                    const std::string& path, LoggerFormat format,
+                                   const std::string& encoding,
                                    const ChannelFilter& wanted,
                                    LoggedFile* file, std::string* error);
 
 // Reads the wanted channels as a table, see MakeLoggerTable().
 [[nodiscard]] bool ReadLoggerTable(const std::string& path, LoggerFormat format,
+                                   const std::string& encoding,
                                    const std::vector<std::string>& wanted,
                                    Table* table, std::string* error);
 
 // Returns the unit that a file states for a channel, by its name in the table
 // of units; empty: none, or no such channel.
 std::string UnitOfLoggerChannel(const std::string& path, LoggerFormat format,
+                                const std::string& encoding,
                                 const std::string& name);
 
 }  // namespace pinode

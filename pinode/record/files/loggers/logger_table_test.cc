@@ -386,7 +386,7 @@ TEST(MiniSeed3Test, BrokenRecords) {
     LoggedFile file;
     std::string message;
     EXPECT_FALSE(ParseLoggedFile(
-        changed, "x.mseed", LoggerFormat::kMiniSeed,
+        changed, "x.mseed", LoggerFormat::kMiniSeed, "",
         [](const LoggerChannel&) { return true; }, &file, &message));
     return message;
   };
@@ -475,7 +475,7 @@ TEST(LoggerTableTest, LvmWithoutAStepSaysHowToReadIt) {
   text[step] = 'd';
   LoggedFile file;
   EXPECT_FALSE(ParseLoggedFile(
-      text, "x.lvm", LoggerFormat::kLvm,
+      text, "x.lvm", LoggerFormat::kLvm, "",
       [](const LoggerChannel&) { return true; }, &file, &error));
   EXPECT_THAT(error, HasSubstr("Set `header_lines`"));
 }
@@ -488,6 +488,40 @@ TEST(LoggerTableTest, LvmThatTheCaseLaysOutIsText) {
   EXPECT_FALSE(
       ReadTable(LoggerSample("lvm/one.lvm"), {"t"}, format, &table, &error));
   EXPECT_THAT(error, HasSubstr("no column"));
+}
+
+TEST(LoggerTableTest, HeaderLinesOrADelimiterMakeLvmText) {
+  const std::string path = LoggerSample("lvm/one.lvm");
+  TextFormat format;
+  format.encoding = "UTF-8";
+  EXPECT_FALSE(IsTextFile(path, format));
+  format.delimiter = '\t';
+  EXPECT_TRUE(IsTextFile(path, format));
+  EXPECT_FALSE(IsTextFile(LoggerSample("tdms/basic.tdms"), format));
+}
+
+TEST(LoggerTableTest, LvmIsReadInTheEncodingThatIsGiven) {
+  std::string text;
+  std::string error;
+  ASSERT_TRUE(ReadBinaryFile(LoggerSample("lvm/one.lvm"), &text, &error));
+  // The second channel is in metres of KOI8-R, or newtons of Windows-1251.
+  text.replace(text.find("\tmg\t"), 4, "\t\xCD\t");
+  TemporaryFolder folder;
+  const std::string path = folder.Write("a.lvm", text);
+  Table table;
+  TextFormat format;
+  for (const char* encoding : {"KOI8-R", "WINDOWS-1251"}) {
+    format.encoding = encoding;
+    ASSERT_TRUE(ReadTable(path, {"a2"}, format, &table, &error)) << error;
+    EXPECT_THAT(table.units,
+                ElementsAre(encoding == std::string("KOI8-R") ? "m" : "N"));
+    EXPECT_THAT(table.reading, HasSubstr("text in " + std::string(encoding)));
+    EXPECT_EQ(UnitOfLoggerChannel(path, LoggerFormat::kLvm, encoding, "a2"),
+              table.units[0]);
+  }
+  format.encoding = "no such";
+  EXPECT_FALSE(ReadTable(path, {"a2"}, format, &table, &error));
+  EXPECT_THAT(error, HasSubstr("'no such' is not known"));
 }
 
 // Every file that is cut short is refused, or says that it is not finished.
@@ -515,10 +549,10 @@ TEST(LoggerTableTest, FilesThatAreCutShort) {
 
 TEST(LoggerTableTest, UnitsOfChannels) {
   const std::string tdms = LoggerSample("tdms/basic.tdms");
-  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "a1"), "m/s^2");
-  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "acc/it's a2"),
+  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "", "a1"), "m/s^2");
+  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "", "acc/it's a2"),
             "mg");
-  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "x"), "");
+  EXPECT_EQ(UnitOfLoggerChannel(tdms, LoggerFormat::kTdms, "", "x"), "");
 }
 
 TEST(LoggerTableTest, Dates) {
