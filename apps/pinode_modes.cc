@@ -204,7 +204,9 @@ bool ReadAndFind(ModesCase* c, FoundModes* found,
   of_records.push_back("columns");
   for (const char* name : of_records) {
     if (!gflags::GetCommandLineFlagInfoOrDie(name).is_default) {
-      *error = "--" + std::string(name) + " is for --case, not for --frf";
+      *error = "--" + std::string(name) + " is for --case" +
+               (name == std::string("columns") ? "" : " with --columns") +
+               ", not for --frf";
       return false;
     }
   }

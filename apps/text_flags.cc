@@ -56,6 +56,11 @@ bool ReadTextFlags(TextFormat* format, std::string* error) {
     return false;
   }
   if (!delimiter.empty()) format->delimiter = delimiter[0];
+  if (!delimiter.empty() && delimiter == FLAGS_decimal) {
+    *error = "--decimal=" + FLAGS_decimal + " and --delimiter=" + delimiter +
+             " are the same sign, expected two";
+    return false;
+  }
   double factor = 0.0;
   std::string what;
   if (!FLAGS_time_unit.empty() && !UnitFactor(FLAGS_time_unit, Dimension::kTime,

@@ -92,6 +92,10 @@ rm -rf E
 Refused "'12h00m00.00' is not a number" "${clock[@]}"
 Refused "--delimiter=x, expected" "${clock[@]}" --delimiter=x
 Refused "--decimal=;, expected" "${clock[@]}" --decimal=';'
+Refused "--decimal=, and --delimiter=, are the same" "${clock[@]}" \
+  --decimal=, --delimiter=,
+Refused "time_unit and sampling_rate_hz are both given" --case=form.csv \
+  --columns=a1 --time_unit=ms --sampling_rate_hz=100 --output_dir=E
 Refused "--header_lines=-3, expected" "${clock[@]}" --header_lines=-3
 Refused "--time_unit: unit 'parsec' is not known" "${clock[@]}" \
   --time_unit=parsec

@@ -224,6 +224,44 @@ TEST(LoggerFilesTest, TheUnitOfTheTimeIsThatOfTheFile) {
   EXPECT_NEAR(c.problem.records[0].description.time_factor, 1e-3, 1e-15);
 }
 
+// A key that changes nothing would be believed.
+TEST(LoggerFilesTest, KeysThatWouldNotBeUsedAreRefused) {
+  TemporaryFolder folder;
+  ModesDataFile file;
+  file.path = folder.Write("german.csv", GermanRecord());
+  file.columns = {"a1"};
+  file.sampling_rate_hz = 100.0;
+  file.format.time_unit = "ms";
+  ModesCase c;
+  std::string error;
+  EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
+  EXPECT_THAT(error, HasSubstr("time_unit and sampling_rate_hz are both"));
+  file.format.time_unit.clear();
+  file.sampling_rate_hz = 0.0;
+  file.path = folder.Write("quake.lvm", LabviewRecord());
+  file.format.encoding = "UTF-8";
+  EXPECT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  file.format.decimal = ',';
+  EXPECT_FALSE(ReadModesDataFile(file, &c, &error));
+  EXPECT_THAT(error, HasSubstr("decimal = ,"));
+  EXPECT_THAT(error, HasSubstr("leave it out"));
+}
+
+TEST(LoggerFilesTest, LvmThatIsLaidOutIsText) {
+  TemporaryFolder folder;
+  ModesDataFile file;
+  file.path = folder.Write("quake.lvm", LabviewRecord());
+  file.columns = {"a1"};
+  file.time_column = "X_Value";
+  file.format.header_lines = 15;
+  file.format.delimiter = '\t';
+  ModesCase c;
+  std::string error;
+  ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+  ASSERT_EQ(c.records.size(), 1u);
+  EXPECT_NEAR(c.records[0].sampling_step, 0.01, 1e-12);
+}
+
 TEST(LoggerFilesTest, ModesOfAFileAlone) {
   TemporaryFolder folder;
   ModesDataFile file;

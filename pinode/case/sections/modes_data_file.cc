@@ -10,6 +10,7 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/files/array_table.h"
+#include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
 #include "pinode/record/table.h"
@@ -119,13 +120,32 @@ class DataFileReader {
     return format;
   }
 
+  // Refuses keys of the form of text that would not be used.
+  bool CheckKeys() {
+    if (!file_.format.time_unit.empty() && file_.sampling_rate_hz != 0.0) {
+      return Fail(
+          "time_unit and sampling_rate_hz are both given, expected one of "
+          "them: a sampling rate has no unit");
+    }
+    if (IsTextFile(file_.path, file_.format)) return true;
+    const bool has_encoding = IsLoggerText(FindLoggerFormat(file_.path));
+    for (const auto& [key, value] : file_.format.Keys()) {
+      if (key == "encoding" && has_encoding) continue;
+      return Fail(key + " = " + value +
+                  " is for files of text in columns, and this is none; leave "
+                  "it out");
+    }
+    return true;
+  }
+
   bool FindTime() {
+    if (!CheckKeys()) return false;
     if (!file_.time_column.empty() && file_.sampling_rate_hz != 0.0) {
       return Fail(
           "a time column and a sampling rate are both given, expected one of "
           "them");
     }
-    if (IsTextFile(file_.path) &&
+    if (IsTextFile(file_.path, file_.format) &&
         !ReadTextOutline(file_.path, FormatWithTime(), &outline_, error_)) {
       return false;
     }
@@ -135,17 +155,18 @@ class DataFileReader {
       time_ = outline_.columns[static_cast<size_t>(outline_.time_column)].name;
       return true;
     }
-    if (!IsTextFile(file_.path)) {
+    if (!IsTextFile(file_.path, file_.format)) {
       Table table;
       std::string missing;
       for (const char* name : {"t", "time"}) {
-        if (ReadTable(file_.path, {name}, {}, &table, &missing)) {
+        if (ReadTable(file_.path, {name}, FormatWithTime(), &table, &missing)) {
           time_ = name;
           return true;
         }
       }
       // The reader's error message applies if the file is no table.
-      if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
+      if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
+        return false;
     }
     return Fail(
         "no column is recognised as the time; expected one named 't' or "
@@ -189,11 +210,12 @@ class DataFileReader {
       remarks_.push_back("Left out, because their names are those of times: " +
                          Join(times, ", ") + ".");
     }
-    if (IsTextFile(file_.path)) {
+    if (IsTextFile(file_.path, file_.format)) {
       return !columns_.empty() || Fail("no column has numbers of a channel");
     }
     Table table;
-    if (!ReadTable(file_.path, {}, {}, &table, error_)) return false;
+    if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
+      return false;
     for (size_t i = 0; i < table.columns.size(); ++i) {
       const std::string& name = table.columns[i];
       if (name == time_) continue;
