@@ -46,6 +46,28 @@ TEST(LogFileTest, ClocksThatDoNotFitAreNamed) {
   EXPECT_THAT(error, HasSubstr("Leave one of them out"));
 }
 
+TEST(LogFileTest, LvmWithADelimiterIsText) {
+  const TemporaryFolder folder;
+  std::string text = "LabVIEW Measurement\t\nX_Value\tacc_1 [g]\n";
+  for (int i = 0; i < 100; ++i) {
+    text +=
+        FormatNumber(0.01 * i) + "\t" + FormatNumber(std::sin(0.7 * i)) + "\n";
+  }
+  const std::string path = folder.Write("log.lvm", text);
+  LogOptions options;
+  options.time = "X_Value";
+  options.time_unit = "s";
+  LogFile log;
+  DraftQuestion question;
+  std::string error;
+  EXPECT_FALSE(ReadLogFile(path, options, &log, &question, &error));
+  options.format.header_lines = 2;
+  options.format.delimiter = '\t';
+  ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+  ASSERT_EQ(log.columns.size(), 1u);
+  EXPECT_EQ(log.columns[0].unit, "g");
+}
+
 TEST(LogFileTest, ArraysAreReadToo) {
   LogFile log;
   DraftQuestion question;
