@@ -39,7 +39,7 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
   const ChangeOptions wide = kinds.WideOptions(options.false_alarm_rate);
   const size_t num_groups = subjects->num_groups();
   is_loss->assign(named.size(), false);
-  // By stiffness, the likeliest exchange of it for a mass.
+  // The likeliest exchange for a mass, for each stiffness.
   std::map<size_t, ChangeInstead> likeliest;
   for (size_t m = 0; m < named.size(); ++m) {
     if (named[m].kind != ChangeKind::kMass || !estimate.groups[m].changed) {
