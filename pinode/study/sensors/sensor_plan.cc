@@ -20,7 +20,7 @@ constexpr double kUnknown = 10.0;
 // never fully unknown.
 constexpr double kRidge = 1e-10;
 // Smallest gain of an exchange, in logarithms of deviations.
-constexpr double kLeastGain = 1e-9;
+constexpr double kLeastPlanGain = 1e-9;
 constexpr int kMostExchanges = 1000;
 
 struct Target {
@@ -238,7 +238,7 @@ class Planner {
     for (; exchanges < kMostExchanges; ++exchanges) {
       size_t out = 0;
       int in = -1;
-      double best = value - kLeastGain;
+      double best = value - kLeastPlanGain;
       for (size_t i = 0; i < chosen->size(); ++i) {
         std::vector<int> others = *chosen;
         others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
