@@ -58,16 +58,21 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
       FromLogarithm(options.threshold, 1.0, &instead.change);
       const bool is_beyond = instead.change.lower95 < -options.threshold;
       if (!is_beyond || !(instead.loss < options.rival_loss)) continue;
-      const GroupChange& own = estimate.groups[j];
+      GroupChange& own = estimate.groups[j];
       if (own.changed &&
           std::min(own.probability, instead.change.probability) > kSure) {
-        continue;  // lost either way
+        // Lost either way, by one size or the other.
+        own.lower95 = std::min(own.lower95, instead.change.lower95);
+        own.upper95 = std::max(own.upper95, instead.change.upper95);
+        continue;
       }
       (*is_loss)[j] = true;
-      if (own.changed) continue;  // its size is that of the explanation
+      instead.change.changed = own.changed;
       instead.change.p_value = own.p_value;
-      estimate.rivals.push_back(
-          {static_cast<int>(m), static_cast<int>(j), instead.loss});
+      if (!own.changed) {
+        estimate.rivals.push_back(
+            {static_cast<int>(m), static_cast<int>(j), instead.loss});
+      }
       const auto [entry, is_new] = likeliest.try_emplace(j, instead);
       if (!is_new && instead.loss < entry->second.loss) {
         entry->second = instead;

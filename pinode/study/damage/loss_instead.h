@@ -20,10 +20,11 @@ namespace pinode {
 //
 // A group counts if it may have lost more than options.threshold and the
 // exchange loses less than options.rival_loss. It gets a flag in *is_loss, one
-// per subject (MissedMotion::loss_instead). One that was not found becomes a
-// rival of the mass, and its change the one that it has if the mass has not
-// changed. One that was found and is lost either way, to 95 %, does not count.
-// Returns false, with *error, as FindChangeInstead does.
+// per subject (MissedMotion::loss_instead). Its change becomes the one that it
+// has if the mass has not changed, and if it was not found, it becomes a rival
+// of the mass. A group that was found and is lost either way, to 95 %, does not
+// count; its interval then holds both sizes. Returns false, with *error, as
+// FindChangeInstead does.
 [[nodiscard]] bool FindLossesInstead(const KindsSearch& kinds,
                                      const ChangeOptions& options,
                                      ResultSubjects* subjects,
