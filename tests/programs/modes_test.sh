@@ -89,7 +89,7 @@ clock=(--case=clock.csv --columns=a1 --time=uhr --output_dir=E)
 "$programs/pinode_modes" "${clock[@]}" --time_format='%Hh%Mm%S.%f' \
   >stdout 2>stderr || [[ $? -eq 1 ]] || Fail "--time_format is not used"
 rm -rf E
-Refused "'12h00m00.00' is not a number" "${clock[@]}"
+Refused 'set `time_format`, such as "%Hh%Mm%S.%f"' "${clock[@]}"
 Refused "--delimiter=x, expected" "${clock[@]}" --delimiter=x
 Refused "--decimal=;, expected" "${clock[@]}" --decimal=';'
 Refused "--decimal=, and --delimiter=, are the same" "${clock[@]}" \
