@@ -29,7 +29,8 @@ constexpr bool kCountsAllocations = true;
 constexpr bool kCountsAllocations = false;
 #endif
 
-inline std::size_t allocation_count = 0;
+// volatile: compilers may take malloc() to change no variable of the program.
+inline volatile std::size_t allocation_count = 0;
 
 }  // namespace testing
 }  // namespace pinode
