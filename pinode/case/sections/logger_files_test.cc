@@ -199,6 +199,7 @@ TEST(LoggerFilesTest, KeysOfTheRecord) {
               0.8 * std::sin(0.9), 1e-8);
   for (const auto& [key, value] :
        {std::pair("delimiter = \";\"", "delimiter = \"x\""),
+        {"delimiter = \";\"", "delimiter = \",\""},
         {"decimal = \",\"", "decimal = \";\""},
         {"header_lines = 2", "header_lines = -2"}}) {
     EXPECT_FALSE(ReadCase(folder.Write("case.toml", Replaced(keys, key, value)),

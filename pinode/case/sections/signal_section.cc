@@ -114,6 +114,10 @@ bool ReadTextFormat(const TomlTable& record, TextFormat* format) {
   if (delimiter == "tab") delimiter = "\t";
   if (delimiter == "blank") delimiter = " ";
   if (!delimiter.empty()) format->delimiter = delimiter[0];
+  if (!delimiter.empty() && delimiter == decimal) {
+    return record.Fail("delimiter",
+                       "it is the sign of 'decimal' too, expected another one");
+  }
   return record.errors()->ok();
 }
 
