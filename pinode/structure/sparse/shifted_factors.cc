@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace pinode {
 namespace {
 
 // Pivots below this count as zero in a matrix with unit diagonal. A beam of a
-// thousand elements has 1e-12, and rounding causes 1e-16.
+// thousand elements has 1e-12, and one rounding causes 1e-16.
 constexpr double kSmallestPivot = 1e-13;
 // Pivot below which small matrices are factorised with 32 digits. The rounding
 // of 16 digits, divided by the pivot, is the relative error of the lowest
@@ -39,6 +40,14 @@ SparseMatrix RoundingOf(const SparseMatrix& mass, const SparseMatrix& stiffness,
   }
   rest.setFromTriplets(entries.begin(), entries.end());
   return rest;
+}
+
+// Returns the pivot of n rows below which it may be rounding of 16 digits. The
+// last pivot of a free structure collects the rounding of all rows: 1.1e-13 for
+// a chain of 700 masses, which is 0.7 n epsilon.
+double SmallestPivot(Eigen::Index n) {
+  return std::max(kSmallestPivot, static_cast<double>(n) *
+                                      std::numeric_limits<double>::epsilon());
 }
 
 void Scale(const Vector& scale, SparseMatrix* matrix) {
@@ -84,7 +93,7 @@ bool ShiftedFactors::FactoriseDefinite(const SparseMatrix& mass,
   const bool exists = may_double ? factor_->Factorise(scaled)
                                  : factor_->Factorise(std::move(scaled));
   const double least = exists ? factor_->pivots().minCoeff() : 0.0;
-  if (!may_double || least > kPivotOfDoubled) return least > kSmallestPivot;
+  if (!may_double || least > kPivotOfDoubled) return least > SmallestPivot(n);
   SparseMatrix rest = RoundingOf(mass, stiffness, shift);
   Scale(scale_, &rest);
   std::unique_ptr<SparseFactor> doubled = MakeDoubledFactor(scaled, rest);

@@ -92,6 +92,7 @@ void ExpectModesSolveTheProblem(const SparseMatrix& mass,
                                 const SparseMatrix& stiffness,
                                 const SparseModes& modes) {
   const Matrix& shapes = modes.mode_shapes;
+  ASSERT_EQ(shapes.rows(), mass.rows());
   const Eigen::Index count = modes.eigenvalues.size();
   const Matrix gram = shapes.transpose() * (mass * shapes);
   EXPECT_LT((gram - Matrix::Identity(count, count)).cwiseAbs().maxCoeff(),
