@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ._arguments import hint
+from ._arguments import NUMBER, hint, words_of
 from ._part import as_matrix
-from ._pinode import Error
+from ._pinode import Error, element_types, function_error
 
 _DAMPING_RULES = ("rayleigh", "ratios", "diagonal")
 
@@ -63,3 +63,37 @@ def check_bounds(where: str, lower: Any, upper: Any) -> None:
     """Raises an Error if the lower bound is not below the upper one."""
     if lower is not None and upper is not None and not lower < upper:
         raise Error(f"{where}: lower is {lower} and upper is {upper}, expected lower < upper")
+
+
+def check_law(where: str, type: str, parameters: Mapping[str, Any] | None) -> None:
+    """Raises an Error if an element's type or one of its parameters is unknown, or if one
+    that has no default is missing.
+    """
+    types = element_types()
+    if type not in types:
+        raise Error(f"{where}: type is '{type:.40}'; {hint(type, types)}")
+    known = types[type]
+    given = parameters or {}
+    for name, value in given.items():
+        if name not in known:
+            raise Error(f"{where}: parameters has no key '{name!s:.40}'; {hint(str(name), known)}")
+        if not NUMBER.fits(value) and not isinstance(value, Mapping):
+            raise Error(f"{where}: parameters['{name}'] is {words_of(value)}, expected a number, "
+                        "which stays fixed, or pinode.Unknown(...)")
+    for name, is_required in known.items():
+        if is_required and name not in given:
+            raise Error(f"{where}: parameters has no '{name}', expected a number, which stays "
+                        "fixed, or pinode.Unknown(...)")
+
+
+def check_functions(where: str, inputs: list[str], terms: list[Any]) -> None:
+    """Raises an Error if one of a library's terms is no function of its inputs."""
+    features = ["".join(str(name).split()) for name in inputs]
+    for i, term in enumerate(terms):
+        basis = term.get("basis") if isinstance(term, Mapping) else term
+        if not isinstance(basis, str):
+            raise Error(f"{where}: terms[{i}] is {words_of(term)}, expected a function such as "
+                        "'x[u1]^3', or {'basis': function, 'initial': number}")
+        error = function_error(basis, features)
+        if error:
+            raise Error(f"{where}: terms[{i}]: {error} (of the inputs {', '.join(features)})")

@@ -46,7 +46,14 @@ from ._part import (
     as_sequence,
     as_strings,
 )
-from ._part_checks import check_bounds, check_damping, check_square, check_values
+from ._part_checks import (
+    check_bounds,
+    check_damping,
+    check_functions,
+    check_law,
+    check_square,
+    check_values,
+)
 from ._pinode import Error
 
 
@@ -366,12 +373,15 @@ class Element(Part):
         optional: bool | None = None,
         **keys: Any,
     ) -> None:
+        values = None if parameters is None else as_mapping("parameters", parameters)
+        if file is None:  # the types of a file are known when it is loaded
+            check_law(f"Element({name!r})", type, values)
         super().__init__(
             name=name,
             type=type,
             file=None if file is None else as_path("file", file),
             between=as_names("between", between),
-            parameters=None if parameters is None else as_mapping("parameters", parameters),
+            parameters=values,
             optional=optional,
             **keys,
         )
@@ -400,11 +410,14 @@ class Library(Part):
         select: bool | None = None,
         **keys: Any,
     ) -> None:
+        names = as_names("inputs", inputs)
+        functions = as_sequence("terms", terms)
+        check_functions(f"Library({name!r})", names, functions)
         super().__init__(
             name=name,
-            inputs=as_names("inputs", inputs),
+            inputs=names,
             output=output,
-            terms=as_sequence("terms", terms),
+            terms=functions,
             acts_as=acts_as,
             select=select,
             **keys,

@@ -374,7 +374,7 @@ def test_a_check_writes_a_folder(healthy, tmp_path):
      r"groups\[0\].matrix has entries of type complex128"),
     (dict(groups=[pinode.Group("k1", [np.eye(3, dtype=complex)[i] for i in range(3)])]),
      "k1|complex|matrix"),
-    (dict(elements=[pinode.Element("e", "cubik", ("ground", "u1"))]), "cubik"),
+    (dict(elements=[{"name": "e", "type": "cubik", "between": ["ground", "u1"]}]), "cubik"),
     (dict(records=[]), "^records is an empty list, expected at least one entry"),
     (dict(model=3), "model is the number 3, expected a dictionary"),
     (dict(units={"length": "furlong"}), "furlong"),
