@@ -95,8 +95,8 @@ struct MissedMotion {
   // about as well, whatever the number of baselines. Empty: false for all.
   std::vector<bool> mass_instead = {};
   // One flag per subject. It is true for a stiffness that may have lost more
-  // than the threshold if a mass that was found has not changed. Empty: false
-  // for all.
+  // than the threshold if a mass that was found has not changed, or for a loss
+  // that changes of masses and damping may stand for. Empty: false for all.
   std::vector<bool> loss_instead = {};
 
   // True if `last` is above 2 % and above three times `healthy`. The structure,

@@ -18,6 +18,7 @@
 #include "pinode/study/damage/loss_instead.h"
 #include "pinode/study/damage/mass_instead.h"
 #include "pinode/study/damage/result_subjects.h"
+#include "pinode/study/damage/scale_instead.h"
 #include "pinode/study/damage/wide_state.h"
 #include "pinode/study/damage/within_doubt.h"
 #include "pinode/study/explanations/modes_search.h"
@@ -193,8 +194,11 @@ class Analyst {
         doubts_.other_solution && result_.estimate.explanations.empty();
     MissedMotion missed = Missed(states, is_open);
     if (IsOfModes(problem_)) LookForMass(states.healthy, &missed);
-    if (kinds && !FindLossesInstead(*kinds_, options_, &subjects_,
-                                    &missed.loss_instead, error)) {
+    std::vector<MassesInstead> masses;
+    if (kinds && (!FindLossesInstead(*kinds_, options_, &subjects_,
+                                     &missed.loss_instead, error) ||
+                  !FindScaleInstead(*kinds_, options_, &subjects_,
+                                    &missed.loss_instead, &masses, error))) {
       return false;
     }
     result_.judgement =
@@ -203,6 +207,10 @@ class Analyst {
       RemarkWhatIsMissed(missed, &result_.remarks);
     }
     SayWhatExplains();
+    if (result_.judgement.verdict == DamageVerdict::kDamage ||
+        result_.judgement.verdict == DamageVerdict::kCannotTell) {
+      RemarkMassesInstead(masses, subjects_, &result_.remarks);
+    }
     if (kinds && states.healthy.size() == 1 && IsOpenAlone(missed)) {
       RemarkMass();
     }

@@ -11,6 +11,7 @@
 #include "pinode/dynamics/memory_network.h"
 #include "pinode/study/damage/change_refit.h"
 #include "pinode/study/identify/identify.h"
+#include "tests/support/decay_testing.h"
 #include "tests/support/identify_testing.h"
 #include "tests/support/study_testing.h"
 
@@ -361,64 +362,17 @@ TEST_F(AnalyseDamageTest, WhatIsPresentCounts) {
               healthy_->model.parameters[1] - 1.0, 1e-15);
 }
 
-// Free decay of one mass with a spring and a damper, both free, which have
-// these factors; 1 % noise.
-TestFit FitOfDecay(double stiffness, double damping, unsigned seed) {
-  StructuralModel model;
-  model.mass = Matrix::Constant(1, 1, 1.0);
-  model.stiffness = Matrix::Constant(1, 1, 40.0);
-  model.damping = Matrix::Constant(1, 1, 0.25);
-  model.influence = Matrix::Zero(1, 0);
-  model.support_mass_coupling = Matrix::Zero(1, 0);
-  model.dof_names = {"w"};
-  std::string error;
-  const std::shared_ptr<StructuralDynamics> dynamics =
-      StructuralDynamics::Create(model, {}, &error);
-  if (dynamics == nullptr) {
-    ADD_FAILURE() << error;
-    return {};
-  }
-  for (const char* name : {"k", "c"}) {
-    GroupTerm term;
-    term.group.name = name;
-    const bool is_stiffness = term.group.name == "k";
-    term.group.target = is_stiffness ? MatrixGroup::Target::kStiffness
-                                     : MatrixGroup::Target::kDamping;
-    term.group.matrix = is_stiffness ? model.stiffness : model.damping;
-    term.alpha.name = name;
-    term.alpha.free = true;
-    EXPECT_TRUE(dynamics->AddGroup(term, &error)) << error;
-  }
-  IdentificationProblem problem;
-  problem.dynamics = dynamics;
-  IdentificationRecord record;
-  record.name = "decay";
-  record.excitation.emplace(0.0, 0.02, Matrix(0, 400), Interpolation::kLinear);
-  record.channels.push_back(
-      testing::MakeChannel("a", Quantity::kRelativeAcceleration, 1, 0));
-  record.substeps = 8;
-  auto truth = std::make_shared<StructuralDynamics>(*dynamics);
-  truth->SetParameters(Vector{{stiffness - 1.0, damping - 1.0}});
-  testing::Simulate(*truth, truth->Parameters(), Vector{{0.01, 0.0}}, 0.01,
-                    seed, &record);
-  record.substeps = 0;
-  record.start = IdentificationRecord::Start::kFree;
-  problem.records.push_back(std::move(record));
-  ChooseStepsOrFail(&problem);
-  return FitOf(std::move(problem));
-}
-
 // An added mass lowers stiffness and damping over mass, as a loss with less
 // damping does. A decay does not know which.
 TEST(AnalyseFreeDecay, DoesNotRuleOutALossBesideLessDamping) {
-  const TestFit healthy = FitOfDecay(1.05, 1.1, 1);
+  const TestFit healthy = FitOfDecay(Vector{{1.05}}, 1.1, 1);
   Baseline baseline;
   std::string error;
   ASSERT_TRUE(BaselineFrom("before", healthy.problem, healthy.summary,
                            healthy.model, &baseline, &error))
       << error;
   for (const double damping : {0.75, 0.83, 0.9, 1.0}) {
-    const TestFit fit = FitOfDecay(0.83 * 1.05, damping * 1.1, 2);
+    const TestFit fit = FitOfDecay(Vector{{0.83 * 1.05}}, damping * 1.1, 2);
     DamageAnalysisOptions options;
     options.search = LookEverywhere(fit.problem);
     DamageResult result;
