@@ -285,9 +285,12 @@ void RemarkMassesInstead(const std::vector<MassesInstead>& instead,
           "\"stiffness\", \"nonlinear\"], leave out damage.masses and run "
           "again.";
     } else {
+      // Larger odds are more than states of one record each can show.
+      constexpr double kMostOdds = 1000.0;
+      const double odds = std::exp(-one.log_odds);
       remark +=
           "The sizes of two changes would have to match, so the loss is " +
-          FormatNumber(std::exp(-one.log_odds), 2) +
+          (odds > kMostOdds ? "more than 1000" : FormatNumber(odds, 2)) +
           " times as likely. If that mass has changed, this is no "
           "damage.";
     }
