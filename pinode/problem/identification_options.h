@@ -43,7 +43,7 @@ struct IdentificationProgress {
 struct IdentificationOptions {
   enum class Shooting { kMultiple, kSingle };
   // Method of the covariance of the parameters, see `covariance`.
-  enum class Covariance { kAuto, kPlain, kSandwich };
+  enum class Covariance { kAuto, kPlain, kSandwich, kNone };
 
   // Multiple shooting (H. G. Bock 1981) or one segment per record. Multiple
   // shooting reaches solutions that a long simulation does not lead to. Its
@@ -72,6 +72,9 @@ struct IdentificationOptions {
   // - kPlain: the inverse Hessian;
   // - kSandwich: a sandwich estimate over blocks of samples, for autocorrelated
   //   residuals;
+  // - kNone: no intervals. For fits of known noise that are only compared by
+  //   their cost: they end without the last exact steps, and have no scores of
+  //   hold-outs and of the initial model;
   // - kAuto: kSandwich if residuals are autocorrelated, else kPlain. If an
   // input
   //   has noise, its errors are unknowns of the fit (FitWithInputNoise). If

@@ -193,7 +193,9 @@ bool Fit::SettleSingle(bool* settled) {
   const double asked = context_.options.function_tolerance;
   // In the first rounds noise levels and decay settle, and they end early. The
   // last round runs to the tolerance asked for.
-  bool fine = false;
+  const bool cost_only =
+      context_.options.covariance == IdentificationOptions::Covariance::kNone;
+  bool fine = cost_only;
   // Costs of ambient records are large negative log-likelihoods, and models
   // that are wrong for them have valleys.
   const IdentificationProblem& problem = context_.problem;
@@ -250,6 +252,7 @@ bool Fit::SettleSingle(bool* settled) {
     evidence_rounds += outcome.noise_is_quiet ? 1 : 0;
     if (fine && converged) {
       *settled = true;
+      if (quiet && cost_only) break;
       if (quiet && !networks) return solver_.Polish(&current_);
     }
     fine = fine || quiet || evidence_rounds >= evidence.rounds ||

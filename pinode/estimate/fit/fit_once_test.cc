@@ -513,5 +513,41 @@ TEST(Identify, HoldoutsDoNotTakePart) {
             other.nrmse <= other.prior_nrmse && other.nrmse <= 0.5);
 }
 
+// A fit that is compared by its cost alone ends at the same minimum, without
+// intervals and scores that nobody reads.
+TEST(Identify, AFitForItsCostAloneHasNoIntervals) {
+  ChainProblem chain(2, 40.0, 0.5, 400, 0.05, 1, StartTwentyPercentOff);
+  for (MeasuredChannel& channel : chain.problem.records[0].channels) {
+    channel.sigma = 0.05;
+  }
+  IdentificationRecord holdout = chain.problem.records[0];
+  holdout.name = "other";
+  holdout.role = IdentificationRecord::Role::kHoldout;
+  chain.problem.records.push_back(holdout);
+  IdentificationOptions options;
+  options.shooting = IdentificationOptions::Shooting::kSingle;
+  FitSummary full, cost_only;
+  IdentifiedModel exact, model;
+  FitOnce(chain.problem, options, nullptr, &full, &exact);
+  options.covariance = IdentificationOptions::Covariance::kNone;
+  options.function_tolerance = 1e-6;
+  FitOnce(chain.problem, options, nullptr, &cost_only, &model);
+  ASSERT_EQ(full.termination, Termination::kConverged) << full.message;
+  ASSERT_EQ(cost_only.termination, Termination::kConverged)
+      << cost_only.message;
+  EXPECT_NEAR(cost_only.final_cost, full.final_cost, 1e-5 * full.final_cost);
+  for (size_t j = 0; j < full.parameters.size(); ++j) {
+    EXPECT_NEAR(cost_only.parameters[j].value, full.parameters[j].value,
+                0.05 * full.parameters[j].sigma);
+  }
+  EXPECT_GT(full.covariance.size(), 0);
+  EXPECT_EQ(cost_only.covariance.size(), 0);
+  ASSERT_EQ(cost_only.records.size(), 2u);
+  EXPECT_NEAR(cost_only.records[0].nrmse, full.records[0].nrmse, 1e-5);
+  EXPECT_EQ(cost_only.records[0].start.size(), full.records[0].start.size());
+  EXPECT_EQ(full.records[1].channels.size(), 2u);
+  EXPECT_TRUE(cost_only.records[1].channels.empty());
+}
+
 }  // namespace
 }  // namespace pinode

@@ -32,6 +32,11 @@
 namespace pinode {
 namespace {
 
+// True for a fit of which nothing but its cost is asked.
+bool IsCostOnly(const IdentificationOptions& options) {
+  return options.covariance == IdentificationOptions::Covariance::kNone;
+}
+
 // Says how far the fit is from a minimum. Feed-forward networks have valleys
 // without end, along which something could be saved for ever; the end of their
 // training is in Fit. Networks with memory are judged as laws are: their prior
@@ -133,10 +138,11 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
     const bool evaluated = placed && objective.Evaluate(best.free, &cost);
     certainty.starts = shooting.starts();
     objective.priors().SetDecays(band_decays);
-    certainty.known = evaluated && !fit->interrupted() &&
-                      EstimateCovariance(
-                          problem, fit->layout(), options.covariance, best.free,
-                          best.sigmas, &objective, &certainty.covariance);
+    certainty.known =
+        evaluated && !fit->interrupted() && !IsCostOnly(options) &&
+        EstimateCovariance(problem, fit->layout(), options.covariance,
+                           best.free, best.sigmas, &objective,
+                           &certainty.covariance);
   }
   return certainty;
 }
@@ -151,13 +157,27 @@ void ScoreRecords(const IdentificationProblem& problem,
   for (size_t r = 0; r < problem.records.size(); ++r) {
     const int index = static_cast<int>(r);
     const Vector& sigmas = model->sigmas[r];
+    const bool is_training =
+        problem.records[r].role == IdentificationRecord::Role::kTrain;
     RecordScore prior, score;
     Vector start;
-    Eigen::Index first =
-        FreeRunStart(problem, index, prior_parameters, sigmas, &start);
-    ScoreRecord(problem, index, prior_parameters, start, first, &prior,
-                Keep::kChannels, options.num_threads);
-    if (problem.records[r].role == IdentificationRecord::Role::kTrain) {
+    Eigen::Index first = 0;
+    if (IsCostOnly(options)) {
+      prior.channels.resize(problem.records[r].channels.size());
+    } else {
+      first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
+      ScoreRecord(problem, index, prior_parameters, start, first, &prior,
+                  Keep::kChannels, options.num_threads);
+    }
+    if (IsCostOnly(options) && !is_training) {
+      score.role = problem.records[r].role;
+      score.name = problem.records[r].name;
+      score.finite = true;
+      summary->records.push_back(std::move(score));
+      model->starts.push_back(start);
+      continue;
+    }
+    if (is_training) {
       start = starts[t++].col(0);
       first = 0;
     } else {

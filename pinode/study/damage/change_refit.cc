@@ -201,7 +201,10 @@ ChangeRefitter::ChangeRefitter(const FitOfRecords& fit,
       std::min(options_.max_num_iterations, kRefitIterations);
   options_.keep_states = false;
   options_.prediction_bands = false;
-  options_.covariance = IdentificationOptions::Covariance::kPlain;
+  // Modes have their covariance at once.
+  options_.covariance = fit.problem.num_train_records() > 0
+                            ? IdentificationOptions::Covariance::kNone
+                            : IdentificationOptions::Covariance::kPlain;
   options_.num_starts = 1;
   if (!WhyNot().empty()) return;
   if (fit.problem.num_train_records() == 0) {
