@@ -2,8 +2,6 @@
 
 #include <gflags/gflags.h>
 
-#include "pinode/base/units.h"
-
 DEFINE_string(encoding, "",
               "encoding of a text file, such as WINDOWS-1251, GB18030 or "
               "SHIFT_JIS; empty: found");
@@ -30,45 +28,20 @@ std::vector<const char*> TextFlagNames() {
 }
 
 bool ReadTextFlags(TextFormat* format, std::string* error) {
-  format->encoding = FLAGS_encoding;
-  format->time_format = FLAGS_time_format;
-  format->time_unit = FLAGS_time_unit;
-  format->header_lines = FLAGS_header_lines;
-  if (FLAGS_header_lines < -1) {
-    *error = "--header_lines=" + std::to_string(FLAGS_header_lines) +
-             ", expected a number of lines";
-    return false;
+  std::string key;
+  if (ParseTextFormat(
+          {{"encoding", FLAGS_encoding},
+           {"header_lines",
+            FLAGS_header_lines == -1 ? "" : std::to_string(FLAGS_header_lines)},
+           {"delimiter", FLAGS_delimiter},
+           {"decimal", FLAGS_decimal},
+           {"time_format", FLAGS_time_format},
+           {"time_unit", FLAGS_time_unit}},
+          format, &key, error)) {
+    return true;
   }
-  if (FLAGS_decimal != "" && FLAGS_decimal != "." && FLAGS_decimal != ",") {
-    *error = "--decimal=" + FLAGS_decimal + ", expected . or ,";
-    return false;
-  }
-  if (!FLAGS_decimal.empty()) format->decimal = FLAGS_decimal[0];
-  std::string delimiter = FLAGS_delimiter;
-  if (delimiter == "tab") delimiter = "\t";
-  if (delimiter == "blank") delimiter = " ";
-  const bool is_known =
-      delimiter.size() == 1 &&
-      std::string(",;|\t ").find(delimiter[0]) != std::string::npos;
-  if (!delimiter.empty() && !is_known) {
-    *error =
-        "--delimiter=" + FLAGS_delimiter + ", expected one of , ; | tab blank";
-    return false;
-  }
-  if (!delimiter.empty()) format->delimiter = delimiter[0];
-  if (!delimiter.empty() && delimiter == FLAGS_decimal) {
-    *error = "--decimal=" + FLAGS_decimal + " and --delimiter=" + delimiter +
-             " are the same sign, expected two";
-    return false;
-  }
-  double factor = 0.0;
-  std::string what;
-  if (!FLAGS_time_unit.empty() && !UnitFactor(FLAGS_time_unit, Dimension::kTime,
-                                              UnitSystem(), &factor, &what)) {
-    *error = "--time_unit: " + what;
-    return false;
-  }
-  return true;
+  *error = "--" + key + ": " + *error;
+  return false;
 }
 
 }  // namespace pinode

@@ -90,13 +90,13 @@ clock=(--case=clock.csv --columns=a1 --time=uhr --output_dir=E)
   >stdout 2>stderr || [[ $? -eq 1 ]] || Fail "--time_format is not used"
 rm -rf E
 Refused 'set `time_format`, such as "%Hh%Mm%S.%f"' "${clock[@]}"
-Refused "--delimiter=x, expected" "${clock[@]}" --delimiter=x
-Refused "--decimal=;, expected" "${clock[@]}" --decimal=';'
-Refused "--decimal=, and --delimiter=, are the same" "${clock[@]}" \
+Refused "--delimiter: 'x', expected" "${clock[@]}" --delimiter=x
+Refused "--decimal: ';', expected" "${clock[@]}" --decimal=';'
+Refused "--delimiter: it is the sign of \`decimal\` too" "${clock[@]}" \
   --decimal=, --delimiter=,
 Refused "time_unit and sampling_rate_hz are both given" --case=form.csv \
   --columns=a1 --time_unit=ms --sampling_rate_hz=100 --output_dir=E
-Refused "--header_lines=-3, expected" "${clock[@]}" --header_lines=-3
+Refused "--header_lines: '-3', expected" "${clock[@]}" --header_lines=-3
 Refused "--time_unit: unit 'parsec' is not known" "${clock[@]}" \
   --time_unit=parsec
 Refused "encoding 'no such' is not known" "${clock[@]}" --encoding='no such'

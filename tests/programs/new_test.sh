@@ -136,7 +136,7 @@ for line in 'decimal = ","' 'delimiter = ";"' 'header_lines = 5' \
   grep -qF -- "$line" form.toml || Fail "form.toml lacks $line"
 done
 rm form.toml
-Refused "--delimiter=x, expected" before.csv "${frame[@]}" --case=E \
+Refused "--delimiter: 'x', expected" before.csv "${frame[@]}" --case=E \
   --delimiter=x
 Refused "was not written by pinode_new" before.csv "${frame[@]}" \
   --case=own.toml --overwrite

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/unit_names.h"
@@ -103,22 +104,19 @@ bool ReadSource(const std::string& record_file, SignalSection* signal) {
 
 bool ReadTextFormat(const TomlTable& record, TextFormat* format) {
   format->time_column = record.String("time");
-  format->time_unit = record.String("time_unit");
-  format->time_format = record.String("time_format");
-  format->encoding = record.String("encoding");
-  format->header_lines = record.Integer("header_lines", -1, 0, 1000000000);
-  const std::string decimal = record.Choice("decimal", {".", ","}, "");
-  if (!decimal.empty()) format->decimal = decimal[0];
-  std::string delimiter = record.Choice(
-      "delimiter", {",", ";", "|", "\t", "tab", " ", "blank"}, "");
-  if (delimiter == "tab") delimiter = "\t";
-  if (delimiter == "blank") delimiter = " ";
-  if (!delimiter.empty()) format->delimiter = delimiter[0];
-  if (!delimiter.empty() && delimiter == decimal) {
-    return record.Fail("delimiter",
-                       "it is the sign of 'decimal' too, expected another one");
-  }
-  return record.errors()->ok();
+  const int lines = record.Integer("header_lines", -1, 0, 1000000000);
+  const std::vector<std::pair<std::string, std::string>> keys = {
+      {"time_unit", record.String("time_unit")},
+      {"time_format", record.String("time_format")},
+      {"encoding", record.String("encoding")},
+      {"header_lines", lines < 0 ? "" : std::to_string(lines)},
+      {"decimal", record.Choice("decimal", {".", ","}, "")},
+      {"delimiter", record.String("delimiter")}};
+  if (!record.errors()->ok()) return false;
+  std::string key;
+  std::string error;
+  if (ParseTextFormat(keys, format, &key, &error)) return true;
+  return record.Fail(key, "'" + key + "': " + error);
 }
 
 bool ReadUnit(const UnitSystem& units, const TomlTable& record,

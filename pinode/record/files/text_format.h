@@ -35,6 +35,14 @@ struct TextFormat {
   std::vector<std::pair<std::string, std::string>> Keys() const;
 };
 
+// Sets the fields that keys of a record stand for, and `time_unit`; an empty
+// value is not given. The delimiters tab and blank may be written as words. On
+// failure returns false, with the bad key in *key and what is wrong with its
+// value in *error.
+[[nodiscard]] bool ParseTextFormat(
+    const std::vector<std::pair<std::string, std::string>>& keys,
+    TextFormat* format, std::string* key, std::string* error);
+
 }  // namespace pinode
 
 #endif  // PINODE_RECORD_FILES_TEXT_FORMAT_H_
