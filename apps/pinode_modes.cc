@@ -139,6 +139,7 @@ bool ReadInput(ModesCase* c, std::string* error) {
   file.time_column = FLAGS_time;
   file.sampling_rate_hz = FLAGS_sampling_rate_hz;
   return ReadTextFlags(&file.format, error) &&
+         ReadScaleFlag(&file.scales, error) &&
          ReadModesDataFile(file, c, error);
 }
 

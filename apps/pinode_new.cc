@@ -91,8 +91,8 @@ DEFINE_string(base_direction, "",
               "direction of the measured base motion in the deck: x, y or z");
 DEFINE_string(ignore, "", "columns to leave out, separated by commas");
 DEFINE_string(unit, "",
-              "unit of the columns, if the files do not state it, such as "
-              "m/s^2, mm/s^2, g, mg or gal");
+              "unit of the columns, if the files do not state it or --scale "
+              "changes it, such as m/s^2, mm/s^2, g, mg or gal");
 DEFINE_string(time, "",
               "column of the time; empty: found by its name or clock times");
 DEFINE_double(sampling_rate_hz, 0.0,
@@ -182,7 +182,10 @@ bool MayWriteCase(const std::string& path, std::string* error) {
 }
 
 bool CheckFlags(DraftRequest* request, std::string* error) {
-  if (!ReadTextFlags(&request->time.format, error)) return false;
+  if (!ReadTextFlags(&request->time.format, error) ||
+      !ReadScaleFlag(&request->time.scales, error)) {
+    return false;
+  }
   if (FLAGS_case.empty()) {
     *error = "--case is empty, expected the name of a file to write";
     return false;

@@ -19,12 +19,17 @@ DEFINE_string(time_format, "",
 DEFINE_string(time_unit, "",
               "unit of the times, if the files do not state it: s, ms, us, ns, "
               "min, h or day");
+DEFINE_string(
+    scale, "",
+    "factor on the numbers of all columns except the time, such as "
+    "0.001, or of some, such as \"acc_1=0.5,acc_2=2\"; the product is "
+    "in the unit of the column");
 
 namespace pinode {
 
 std::vector<const char*> TextFlagNames() {
-  return {"encoding", "header_lines", "delimiter",
-          "decimal",  "time_format",  "time_unit"};
+  return {"encoding",    "header_lines", "delimiter", "decimal",
+          "time_format", "time_unit",    "scale"};
 }
 
 bool ReadTextFlags(TextFormat* format, std::string* error) {
@@ -41,6 +46,12 @@ bool ReadTextFlags(TextFormat* format, std::string* error) {
     return true;
   }
   *error = "--" + key + ": " + *error;
+  return false;
+}
+
+bool ReadScaleFlag(ColumnScales* scales, std::string* error) {
+  if (scales->Parse(FLAGS_scale, error)) return true;
+  *error = "--scale: " + *error;
   return false;
 }
 

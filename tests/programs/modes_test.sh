@@ -81,6 +81,23 @@ cp stdout expected
 # A tenth of the rate gives a tenth of the frequencies.
 Run 0 pinode_modes "${form[@]}" --time_unit=ms
 ! cmp -s stdout expected || Fail "--time_unit changes nothing"
+# A column in another unit than the rest.
+mkdir half
+zcat wind.csv.gz | awk -F, '
+  NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; print "a1,a2,a3"; next }
+  { printf "%.17g,%.17g,%.17g\n", $at["a1"], $at["a2"] / 2, -$at["a3"] }
+' >half/wind.csv
+half=(--case=half/wind.csv --columns=a1,a2,a3 --sampling_rate_hz=100)
+Run 0 pinode_modes "${half[@]}" --scale=a2=2,a3=-1 --output_dir=half/scaled
+Run 0 pinode_modes "${half[@]}" --output_dir=half/raw
+Shapes() { grep -vE 'title|"command"|created' "$1/modes.csv"; }
+cmp -s <(Shapes half/scaled) <(Shapes F) || Fail "--scale is not the factor"
+! cmp -s <(Shapes half/raw) <(Shapes F) || Fail "--scale changes nothing"
+Refused "scale: no channel 'a9'" "${half[@]}" --scale=a9=2 --output_dir=E
+Refused "--scale: 'two', expected one factor" "${half[@]}" --scale=two \
+  --output_dir=E
+Refused "--scale needs --columns" --case=three_storey_ambient.toml --scale=2 \
+  --output_dir=E
 printf 'uhr,a1\n' >clock.csv
 awk 'BEGIN { srand(1); for (i = 0; i < 3000; ++i)
   printf "12h%02dm%02d.%02d,%.6f\n", i / 6000, int(i / 100) % 60, i % 100,

@@ -170,6 +170,41 @@ Unclear "floor from 1 to 5" before.csv "${frame[@]}" --sensors="Etage 1=7"
 Unclear "--holdout" before.csv later.csv "${frame[@]}" --holdout=third.csv
 Unclear "none would be left to fit" before.csv "${frame[@]}" --holdout=before.csv
 Unclear "--damping_ratio is 2" before.csv "${frame[@]}" --damping_ratio=2
+Unclear "--scale: no channel 'Etage 9'" before.csv "${frame[@]}" \
+  --scale="Etage 9=2"
+Unclear "--scale: 'Etage 1=0', expected one factor" before.csv "${frame[@]}" \
+  --scale="Etage 1=0"
+
+# A form of clock times that is not found, and its key.
+awk -F';' -v OFS=';' '
+  NR == 5 { $1 = "" }
+  NR > 5 {
+    sub(/,/, ".", $1)
+    n = int(100 * $1 + 0.5)
+    $1 = sprintf("12h%02dm%02d.%02d", n / 6000, int(n / 100) % 60, n % 100)
+  }
+  { print }' before.csv >clock.csv
+Unclear 'set `time_format`' clock.csv "${frame[@]}"
+Run 0 pinode_new clock.csv "${frame[@]}" --case=clock.toml \
+  --time_format='%Hh%Mm%S.%f'
+grep -qF 'time_format = "%Hh%Mm%S.%f"' clock.toml || Fail "no time_format"
+cmp <(grep stiffness clock.toml) <(grep stiffness frame.toml) ||
+  Fail "clock times make another case"
+
+# Volts of sensors whose sensitivities are known.
+awk -F';' -v OFS=';' '
+  NR == 5 { gsub(/mg/, "V") }
+  NR > 5 { sub(/,/, ".", $5); $5 = sprintf("%.4f", -4 * $5); sub(/\./, ",", $5) }
+  { print }' before.csv >volts.csv
+Unclear "give its sensitivity by --scale and --unit" volts.csv "${frame[@]}"
+Run 0 pinode_new volts.csv "${frame[@]}" --case=volts.toml --unit=mg \
+  --scale="Boden=2,Etage 1=2,Etage 2=2,Etage 3=-0.5,Etage 4=2,Etage 5=2"
+[[ $(grep -c 'scale     = 2 ' volts.toml) -eq 5 ]] || Fail "five scales of 2"
+[[ $(grep -c 'scale     = -0.5 ' volts.toml) -eq 1 ]] || Fail "a scale of -0.5"
+[[ $(grep -c 'unit      = "mg" ' volts.toml) -eq 6 ]] || Fail "units of scales"
+! grep -q 'upside down?' volts.toml || Fail "a negative scale is a sign"
+cmp <(grep stiffness volts.toml) <(grep stiffness frame.toml) ||
+  Fail "scales make another model"
 # Without names, without units, and with names that say nothing.
 Edited '4,$s/^[^;]*;//'
 Unclear "Give --time=" edited.csv "${frame[@]}"

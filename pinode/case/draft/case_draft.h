@@ -50,8 +50,9 @@ struct DraftRequest {
   std::string force_unit;
   std::string base_direction;  // of a deck: x, y or z
   std::string ignore;          // columns, separated by commas
-  std::string unit;            // of columns whose unit the files do not state
-  LogOptions time;             // of all files
+  // Unit of columns whose unit the files do not state, or a scale changes.
+  std::string unit;
+  LogOptions time;  // of all files
 };
 
 // One signal of a record.
@@ -59,6 +60,7 @@ struct DraftSignal {
   std::string column;
   std::string unit;
   bool unit_is_stated = false;  // by the file
+  double scale = 1.0;           // number of the file times scale is in `unit`
   int floor = 0;                // 0: the base, or a DOF of a deck
   std::string dof;              // "u3"; of the base its direction
   bool is_by_name = false;      // place found by the column's name

@@ -287,6 +287,10 @@ void AddGroups(const CaseDraft& draft, std::string* out) {
 void AddSignal(const DraftSignal& signal, std::string* out) {
   AppendLine("  unit      = " + TomlText(signal.unit),
              signal.unit_is_stated ? "as the file states" : "as given", out);
+  if (signal.scale != 1.0) {
+    AppendLine("  scale     = " + TomlNumber(signal.scale),
+               "factor on the column's numbers, as given", out);
+  }
   if (signal.is_upside_down) {
     AppendLine("  sign      = -1", "the sensor is upside down", out);
   }

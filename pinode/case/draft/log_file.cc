@@ -113,8 +113,9 @@ bool TakeSamples(const Table& table, const TimeGrid& grid, size_t first,
     return false;
   }
   for (size_t i = 0; i < log->columns.size(); ++i) {
-    log->columns[i].samples =
-        OnTimeGrid(table, static_cast<int>(i + first), grid);
+    LogColumn& column = log->columns[i];
+    column.samples =
+        column.scale * OnTimeGrid(table, static_cast<int>(i + first), grid);
   }
   log->step = grid.step;
   log->reading = table.reading;
@@ -208,8 +209,12 @@ bool ReadBinaryLog(const LogOptions& options, LogFile* log,
   if (!FindStep(table, options, log, &grid, question, error)) return false;
   const size_t first = needs_time ? 1 : 0;
   for (size_t i = first; i < table.columns.size(); ++i) {
-    log->columns.push_back(
-        {table.columns[i], i < table.units.size() ? table.units[i] : "", {}});
+    const std::string& name = table.columns[i];
+    log->columns.push_back({name,
+                            i < table.units.size() ? table.units[i] : "",
+                            {},
+                            options.scales.FactorOf(name),
+                            name});
   }
   return TakeSamples(table, grid, first, log, error);
 }
@@ -274,7 +279,12 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
         Contains({result.time_column}, column)) {
       continue;
     }
-    result.columns.push_back({NameInCase(outline, i), column.unit, {}});
+    result.columns.push_back(
+        {NameInCase(outline, i),
+         column.unit,
+         {},
+         options.scales.FactorOf(column.name, column.short_name),
+         column.name});
     wanted.push_back(column.name);
   }
   if (result.columns.empty()) {

@@ -8,6 +8,7 @@
 
 #include "pinode/base/types.h"
 #include "pinode/base/units.h"
+#include "pinode/record/column_scales.h"
 #include "pinode/record/files/text_format.h"
 
 namespace pinode {
@@ -28,7 +29,11 @@ struct LogColumn {
   std::string name;
   // Unit that the file states; empty: none.
   std::string unit;
-  Vector samples;  // NaN: missing
+  // Numbers of the file times `scale`; NaN: missing.
+  Vector samples;
+  double scale = 1.0;
+  // Name in the file, perhaps with a unit behind it.
+  std::string file_name = {};
 
   // Returns the dimension of `unit`. False if there is none.
   [[nodiscard]] bool FindUnitDimension(Dimension* dimension) const;
@@ -42,6 +47,8 @@ struct LogOptions {
   // Form of text files; what is not set is found. Its time and unit are those
   // above.
   TextFormat format;
+  // Factors of the columns except the time.
+  ColumnScales scales;
   // Columns that are not read.
   std::vector<std::string> ignored;
 };

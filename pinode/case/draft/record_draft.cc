@@ -133,7 +133,9 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
   const LogColumn* column = log.Find(signal->column);
   const std::string where = log.path + ": column " + Quote(signal->column);
   signal->unit = column->unit;
-  signal->unit_is_stated = !signal->unit.empty();
+  signal->scale = column->scale;
+  const bool is_changed = column->scale != 1.0 && !given.empty();
+  signal->unit_is_stated = !signal->unit.empty() && !is_changed;
   if (!signal->unit_is_stated) {
     if (given.empty()) {
       question->flag = flag;
@@ -149,12 +151,15 @@ bool SetUnit(const LogFile& log, const DraftRequest& request, bool is_force,
   if (FindDimension(signal->unit, &dimension) && dimension == wanted) {
     return true;
   }
+  const bool is_voltage = FindDimension(signal->unit, &dimension) &&
+                          dimension == Dimension::kVoltage;
   *error = signal->unit_is_stated
                ? where + " is in " + signal->unit +
-                     ", which is not a unit of " + what +
-                     "; leave it out with "
-                     "--ignore=" +
-                     signal->column +
+                     ", which is not a unit of " + what + "; " +
+                     (is_voltage ? "give its sensitivity by --scale and --" +
+                                       flag + ", or leave it out with "
+                                 : std::string("leave it out with ")) +
+                     "--ignore=" + signal->column +
                      ", and add it to the case by hand (pinode/case/README.md)"
                : "--" + flag + ": " + Quote(given) + " is not a unit of " +
                      what + "; use one of " + Join(KnownUnits(wanted), " ");
@@ -380,6 +385,17 @@ bool CheckColumnAnswers(const DraftRequest& request,
       !IsInAny(logs, request.base, &known)) {
     *error = "--base: no column " + Quote(request.base) +
              NameHint(request.base, known);
+    return false;
+  }
+  std::vector<std::string> scaled;
+  for (const LogFile& log : logs) {
+    for (const LogColumn& column : log.columns) {
+      scaled.push_back(column.name);
+      scaled.push_back(column.file_name);
+    }
+  }
+  if (!request.time.scales.AreOf(scaled, error)) {
+    *error = "--scale: " + *error;
     return false;
   }
   std::string used = request.base == "none" ? "" : request.base;

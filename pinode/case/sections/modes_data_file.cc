@@ -50,7 +50,8 @@ class DataFileReader {
       : file_(file), columns_(file.columns), error_(error) {}
 
   bool Read(ModesCase* c) {
-    if (!FindTime() || !FindColumns() || !FindQuantities() || !FindUnits()) {
+    if (!FindTime() || !FindColumns() || !FindQuantities() || !FindUnits() ||
+        !CheckScales()) {
       return false;
     }
     TomlValue record = TomlValue::Table();
@@ -76,6 +77,8 @@ class DataFileReader {
       channel.Set("quantity", TomlValue::String(quantities_[i]));
       channel.Set("unit",
                   TomlValue::String(units_[i].empty() ? "model" : units_[i]));
+      const double scale = file_.scales.FactorOf(columns_[i], OtherName(i));
+      if (scale != 1.0) channel.Set("scale", TomlValue::Float(scale));
       channels.elements.push_back(std::move(channel));
     }
     record.Set("channel", std::move(channels));
@@ -283,6 +286,23 @@ class DataFileReader {
     remarks_.push_back("No unit is stated for " + Join(without, ", ") +
                        ": read as " + first + ", like the other columns.");
     return true;
+  }
+
+  // Returns the name without a unit of a channel that is named with it, or the
+  // other way round. Empty: there is none.
+  std::string OtherName(size_t i) const {
+    for (const TextColumn& column : outline_.columns) {
+      if (column.name == columns_[i]) return column.short_name;
+      if (column.short_name == columns_[i]) return column.name;
+    }
+    return "";
+  }
+
+  bool CheckScales() {
+    std::vector<std::string> known = columns_;
+    for (size_t i = 0; i < columns_.size(); ++i) known.push_back(OtherName(i));
+    std::string what;
+    return file_.scales.AreOf(known, &what) || Fail("scale: " + what);
   }
 
   bool FindQuantities() {

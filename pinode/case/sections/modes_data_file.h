@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pinode/case/sections/modes_section.h"
+#include "pinode/record/column_scales.h"
 #include "pinode/record/files/text_format.h"
 
 namespace pinode {
@@ -25,6 +26,8 @@ struct ModesDataFile {
   double sampling_rate_hz = 0.0;
   // Form of a text file and unit of its times; what is not set is found.
   TextFormat format;
+  // Factors of the channels.
+  ColumnScales scales;
 };
 
 // Reads that file as a case whose channels are places. On failure *error is one
