@@ -10,6 +10,7 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/files/array_table.h"
+#include "pinode/record/files/clock_parts.h"
 #include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
@@ -195,7 +196,10 @@ class DataFileReader {
       const bool is_time =
           IsNameOfTime(name) ||
           !UnitOfClockPart(outline_.columns[i].short_name).empty();
-      if (!outline_.is_channel[i] && is_time && name != time_) {
+      const auto& parts = outline_.time_parts;
+      const bool is_used = std::find(parts.begin(), parts.end(),
+                                     static_cast<int>(i)) != parts.end();
+      if (!outline_.is_channel[i] && is_time && name != time_ && !is_used) {
         times.push_back(name);
       }
       if (outline_.columns[i].kind == CellKind::kText) {

@@ -12,6 +12,8 @@
 #include "pinode/base/text_encoding.h"
 #include "pinode/base/unit_names.h"
 #include "pinode/base/units.h"
+#include "pinode/record/files/clock_parts.h"
+#include "pinode/record/files/text_clock.h"
 #include "pinode/record/files/text_rows.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
@@ -209,6 +211,10 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
   int text_time = -1;
   int seconds = -1;
   bool has_clock_parts = false;
+  ClockParts split;
+  if (format.time_unit.empty() && format.time_format.empty()) {
+    split = FindClockParts(layout.columns);
+  }
   // First column behind row numbers.
   int first = 0;
   for (size_t i = 0; i < layout.columns.size(); ++i) {
@@ -240,7 +246,9 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
         column.kind == CellKind::kTimeOfDay) {
       if (clock < 0) clock = place;
     }
-    if (is_number && IsNameOfTime(column.short_name)) {
+    if (split.Has(place) || split.fraction == place) {
+      is_channel = false;
+    } else if (is_number && IsNameOfTime(column.short_name)) {
       is_channel = false;
       if (named < 0 && !IsHour(column.short_name, layout.columns)) {
         named = place;
@@ -257,6 +265,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     }
     outline.is_channel.push_back(is_channel);
   }
+  if (split.IsComplete() && named < 0) named = split.second;
   // "Second" may be any name unless minutes or days stand beside it.
   if (has_clock_parts && seconds >= 0) {
     outline.is_channel[static_cast<size_t>(seconds)] = false;
@@ -271,6 +280,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
       outline.is_channel[i] = false;
     }
   }
+  outline.time_parts = parts.split.Columns();
   FindOtherClocks(text, layout, rows, &outline);
   return outline;
 }

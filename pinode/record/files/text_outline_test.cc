@@ -95,7 +95,7 @@ TEST(TextOutlineTest, PartsOfAClockAreNoChannels) {
   std::string error;
   ASSERT_TRUE(ParseTextTable(rows, "r.csv", {}, format, &table, &error))
       << error;
-  EXPECT_NEAR(table.values(3, 2), 60.1, 1e-9);
+  EXPECT_NEAR(table.values(3, 2), 0.3, 1e-9);
   // Alone it may be the second of two sensors.
   EXPECT_THAT(OutlineOf("t;first;second\n0;1;3\n0.1;2;1\n0.2;0;2\n").is_channel,
               ElementsAre(false, true, true));

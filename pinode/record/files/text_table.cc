@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "pinode/base/file.h"
@@ -9,6 +10,7 @@
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/text_encoding.h"
+#include "pinode/record/files/text_clock.h"
 #include "pinode/record/files/text_rows.h"
 #include "pinode/record/files/text_thousands.h"
 #include "pinode/record/files/text_time.h"
@@ -66,8 +68,7 @@ class TextTableReader {
     }
     if (!layout_.IsClear(path_, error_) || !FindColumns()) return false;
     const bool plain =
-        layout_.is_plain && !parts_.IsClock() && !HasLongTime() &&
-        !HasTimeOfText() &&
+        layout_.is_plain && !IsClock() && !HasLongTime() && !HasTimeOfText() &&
         !MayHaveThousands(std::string_view(text_).substr(layout_.first_row));
     if (!(plain ? ReadPlain() : ReadRows())) return false;
     if (!plain) SayLayout();
@@ -114,6 +115,14 @@ class TextTableReader {
     said_ = said_.empty() ? text : said_ + ", " + text;
   }
 
+  bool IsClock() const {
+    return clock_.has_value() && clock_->parts().IsClock();
+  }
+
+  bool IsPartOfTime(int column) const {
+    return clock_.has_value() && clock_->parts().Has(column);
+  }
+
   const TextColumn& ColumnAt(int i) const {
     return layout_.columns[static_cast<size_t>(i)];
   }
@@ -127,14 +136,14 @@ class TextTableReader {
         (wanted_.empty() || HasName(format_.time_column, wanted_))) {
       time_ = layout_.FindColumn(format_.time_column, &what);
       if (time_ < 0) return FailOnName(line, what);
-      parts_ = FindTimeParts(layout_, format_, time_);
+      clock_.emplace(layout_, format_, time_);
     }
     if (wanted_.empty()) {
       for (size_t i = 0; i < layout_.columns.size(); ++i) {
         const int place = static_cast<int>(i);
         const CellKind kind = layout_.columns[i].kind;
         if (place != time_ &&
-            (parts_.Has(place) ||
+            (IsPartOfTime(place) ||
              (kind != CellKind::kNumber && kind != CellKind::kMissing))) {
           continue;
         }
@@ -214,9 +223,8 @@ class TextTableReader {
     table_.values.resize(rows, static_cast<Eigen::Index>(places_.size()));
     table_.line_numbers.clear();
     table_.line_numbers.reserve(static_cast<size_t>(rows));
-    clock_.clear();
+    if (clock_.has_value()) clock_->Clear(static_cast<size_t>(rows));
     blank_line_ = 0;
-    if (parts_.IsClock()) clock_.reserve(static_cast<size_t>(rows));
     const NumberRow plain = PlainRow();
     Eigen::Index row = 0;
     int64_t line_number = layout_.first_row_line - 1;
@@ -235,6 +243,7 @@ class TextTableReader {
                     "a blank line between rows of a single column may be a "
                     "missing value; write nan there, or delete the line");
       }
+      if (row == 0 && !CheckHalves(line, line_number)) return false;
       if (!ReadPlainRow(plain, line, row) && !ReadRow(line, line_number, row)) {
         if (!reread_) return false;
         reread_ = false;
@@ -250,11 +259,25 @@ class TextTableReader {
     return CheckMeaning() && FinishClock();
   }
 
+  // Refuses clock times whose half of the day stands in another column.
+  bool CheckHalves(std::string_view line, int64_t line_number) {
+    if (!IsClock() ||
+        !SplitCells(line, layout_.delimiter, &cells_, &storage_) ||
+        !HasHalfOfDay(cells_)) {
+      return true;
+    }
+    return Fail(line_number,
+                "AM or PM stands in a column of its own, so the hours of '" +
+                    ColumnAt(time_).name +
+                    "' count to 12; write it behind the time, or give "
+                    "`sampling_rate_hz`");
+  }
+
   // Reader of rows whose wanted cells are plain numbers.
   NumberRow PlainRow() const {
     std::vector<int> columns(layout_.num_cells, -1);
     for (size_t j = 0; j < places_.size(); ++j) {
-      if (places_[j] == time_ && parts_.IsClock()) continue;
+      if (places_[j] == time_ && IsClock()) continue;
       columns[static_cast<size_t>(places_[j])] = static_cast<int>(j);
     }
     return NumberRow(layout_.delimiter, layout_.decimal, std::move(columns));
@@ -277,22 +300,19 @@ class TextTableReader {
         !plain.Parse(line, table_.values.data() + row, table_.values.rows())) {
       return false;
     }
-    if (!parts_.IsClock()) return !IsLongTime(row);
+    if (!IsClock()) return !IsLongTime(row);
     // Only the cells up to the last one of the time.
     size_t end = 0;
-    for (int i = 0; i <= parts_.Last() && end != std::string_view::npos; ++i) {
+    const int last = clock_->parts().Last();
+    for (int i = 0; i <= last && end != std::string_view::npos; ++i) {
       end = line.find(layout_.delimiter, i == 0 ? 0 : end + 1);
     }
-    ClockCell cell;
-    if (layout_.delimiter == ' ' ||
-        !SplitCells(line.substr(0, end), layout_.delimiter, &cells_,
-                    &storage_) ||
-        cells_.size() <= static_cast<size_t>(parts_.Last()) ||
-        !ParseRowTime(cells_, parts_, format_, layout_.decimal, &cell)) {
-      return false;
-    }
-    clock_.push_back(cell);
-    return true;
+    std::string unused;
+    return layout_.delimiter != ' ' &&
+           SplitCells(line.substr(0, end), layout_.delimiter, &cells_,
+                      &storage_) &&
+           cells_.size() > static_cast<size_t>(last) &&
+           clock_->Add(cells_, layout_.decimal, &unused);
   }
 
   bool ReadRow(std::string_view line, int64_t line_number, Eigen::Index row) {
@@ -310,19 +330,12 @@ class TextTableReader {
       cells_.emplace_back();
     }
     if (cells_.size() != layout_.num_cells) return RefuseRagged(line_number);
-    if (parts_.IsClock()) {
-      ClockCell cell;
-      if (!ParseRowTime(cells_, parts_, format_, layout_.decimal, &cell)) {
-        return Fail(line_number,
-                    "column '" + ColumnAt(time_).name +
-                        "': " + Quote(cells_[static_cast<size_t>(time_)]) +
-                        " is not a time like the first row; set `time_format`, "
-                        "or give `sampling_rate_hz`");
-      }
-      clock_.push_back(cell);
+    std::string what;
+    if (IsClock() && !clock_->Add(cells_, layout_.decimal, &what)) {
+      return Fail(line_number, what);
     }
     for (size_t j = 0; j < places_.size(); ++j) {
-      if (places_[j] == time_ && parts_.IsClock()) continue;
+      if (places_[j] == time_ && IsClock()) continue;
       double value = 0.0;
       const std::string_view cell = cells_[static_cast<size_t>(places_[j])];
       if (!ParseNumber(cell, places_[j] == time_, &value)) {
@@ -429,65 +442,30 @@ class TextTableReader {
   }
 
   bool clock_column(Eigen::Index j) const {
-    return parts_.IsClock() && places_[static_cast<size_t>(j)] == time_;
+    return IsClock() && places_[static_cast<size_t>(j)] == time_;
   }
 
   bool FinishClock() {
-    if (!parts_.IsClock()) return true;
-    ClockColumn column;
-    int64_t bad_row = -1;
+    if (!IsClock()) return true;
+    Vector times;
+    size_t row = 0;
     std::string what;
-    if (!ResolveClock(clock_, &column, &bad_row, &what)) {
-      const size_t row = static_cast<size_t>(std::max<int64_t>(bad_row, 0));
-      return Fail(table_.line_numbers[row],
-                  "column '" + ColumnAt(time_).name + "': the time " + what);
+    if (!clock_->Finish(&times, &table_.time_origin, &time_said_, &row,
+                        &what)) {
+      return Fail(table_.line_numbers[row], what);
     }
-    if (MostRepeat(column.seconds)) {
-      return Fail(
-          layout_.first_row_line,
-          "column '" + ColumnAt(time_).name +
-              "': most times repeat the one before, so the clock is coarser "
-              "than the rows; give `sampling_rate_hz` instead of `time`");
-    }
-    Vector times = Eigen::Map<const Vector>(
-        column.seconds.data(),
-        static_cast<Eigen::Index>(column.seconds.size()));
-    double range = 0.0;
-    // Times of day start anew at midnight.
-    if (!column.is_dated) UnwrapCounter({86400.0}, times, &range);
     for (size_t j = 0; j < places_.size(); ++j) {
       if (places_[j] == time_) {
         table_.values.col(static_cast<Eigen::Index>(j)) = times;
       }
     }
     table_.time_unit = "s";
-    table_.time_origin.seconds = column.origin;
-    table_.time_origin.kind = !column.is_dated ? TimeOrigin::Kind::kTimeOfDay
-                              : column.is_order_certain
-                                  ? TimeOrigin::Kind::kDate
-                                  : TimeOrigin::Kind::kDoubtfulDate;
-    time_said_ =
-        "time '" + ColumnAt(time_).name +
-        "': " + (column.format.empty() ? "time of day" : column.format) +
-        (parts_.fraction >= 0
-             ? ", fraction from '" + ColumnAt(parts_.fraction).name + "'"
-             : "") +
-        "; 0 s is " + ClockText(column.origin, column.is_dated) +
-        (range > 0.0 ? "; the times pass midnight" : "");
     return true;
-  }
-
-  static bool MostRepeat(const std::vector<double>& seconds) {
-    size_t repeated = 0;
-    for (size_t i = 1; i < seconds.size(); ++i) {
-      if (seconds[i] == seconds[i - 1]) ++repeated;
-    }
-    return 2 * repeated + 1 > seconds.size();
   }
 
   bool FinishTime() {
     if (!time_said_.empty()) Say(time_said_);
-    if (time_ < 0 || parts_.IsClock()) return true;
+    if (time_ < 0 || IsClock()) return true;
     const int column = table_.FindColumn(format_.time_column);
     if (layout_.names_line == 0 && format_.time_unit.empty()) {
       Say("time '" + ColumnAt(time_).name + "' read as seconds");
@@ -514,8 +492,7 @@ class TextTableReader {
   // Columns of the file, in the order of the table.
   std::vector<int> places_;
   int time_ = -1;
-  TimeParts parts_;
-  std::vector<ClockCell> clock_;
+  std::optional<TextClock> clock_;
   int64_t first_ticks_ = 0;
   CommaWatch commas_;
   bool reread_ = false;

@@ -16,12 +16,13 @@ namespace pinode {
 // units and preamble are found from the text (FindTextLayout), if `format` does
 // not give them. Plain CSV is read by ParseCsvTable, as always.
 //
-// The column `format.time_column` may hold clock times, alone or in
-// neighbouring columns of date, time of day and fractions; it becomes seconds
-// from the first row. Counters that start anew (at 2^14 or 1000, say) and
-// counts of ticks since 1970 or year 1 are understood too. Table::time_unit is
-// the unit of the result. Table::reading says what was assumed. Table::units
-// are those that the file states.
+// The column `format.time_column` may hold clock times, alone or in columns of
+// date, time of day and fractions, or be a part of a clock such as the hour
+// beside minutes and seconds. It becomes seconds from the first row. Counters
+// that start anew (at 2^14 or 1000, say) and counts of ticks since 1970 or year
+// 1 are understood too. Table::time_unit is the unit of the result.
+// Table::reading says what was assumed. Table::units are those that the file
+// states.
 //
 // `wanted` as for ReadCsvTable. A name may leave out the unit behind it, and
 // has its number behind it if it occurs several times (`a[2]`). An empty
@@ -45,6 +46,9 @@ struct TextOutline {
   std::vector<TextColumn> columns;
   // Column that is the time by its name or contents, or -1.
   int time_column = -1;
+  // Columns that make up the time together, such as hour, minute and second;
+  // empty if it is one column.
+  std::vector<int> time_parts;
   // Other time columns that differ from it, such as `t2` beside `t1`. The
   // channels may then belong to any of the clocks.
   std::vector<int> other_clocks;

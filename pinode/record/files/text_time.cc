@@ -8,11 +8,14 @@
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
+#include "pinode/base/units.h"
+#include "pinode/record/files/clock.h"
+#include "pinode/record/files/clock_parts.h"
 
 namespace pinode {
 namespace {
 
-constexpr double kSecondsOfDay = 86400.0;
+constexpr double kSecondsOfOneDay = 86400.0;
 
 // Counts of clocks that are told by their size, between the years 1998 and
 // 2042.
@@ -65,7 +68,9 @@ double SecondsOf(const std::string& unit) {
 
 // Why a part of a clock, whose unit is `part`, is not taken for the time.
 std::string WhyNoTime(const std::string& name, const std::string& part) {
-  return "column '" + name + "' is a part of a clock by its name. " +
+  return "column '" + name +
+         "' is a part of a clock by its name, and the other parts down "
+         "to hour, minute and second are not all there. " +
          (part == "h" || part == "min" || part == "day"
               ? "Set `time_unit = \"" + part +
                     "\"` if it is the whole time, or give `sampling_rate_hz`"
@@ -82,89 +87,13 @@ std::vector<double> CounterRanges(double second) {
   for (int power = 2; power <= 12; ++power) {
     ranges.push_back(std::pow(10.0, power));
   }
-  for (const double seconds : {60.0, 3600.0, kSecondsOfDay}) {
+  for (const double seconds : {60.0, 3600.0, kSecondsOfOneDay}) {
     ranges.push_back(seconds / second);
   }
   return ranges;
 }
 
 }  // namespace
-
-TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
-                        int column) {
-  TimeParts parts;
-  const auto kind = [&layout](int i) {
-    return i < 0 || i >= static_cast<int>(layout.columns.size())
-               ? CellKind::kText
-               : layout.columns[static_cast<size_t>(i)].kind;
-  };
-  switch (kind(column)) {
-    case CellKind::kDateTime:
-      parts.date = column;
-      return parts;
-    case CellKind::kDate:
-      parts.date = column;
-      for (const int i : {column + 1, column - 1}) {
-        if (kind(i) == CellKind::kTimeOfDay) parts.time = i;
-        if (parts.time >= 0) break;
-      }
-      break;
-    case CellKind::kTimeOfDay:
-      parts.time = column;
-      for (const int i : {column - 1, column + 1}) {
-        if (kind(i) == CellKind::kDate) parts.date = i;
-        if (parts.date >= 0) break;
-      }
-      break;
-    default:
-      if (!format.time_format.empty()) parts.date = column;
-      return parts;
-  }
-  const int next = parts.time + 1;
-  if (parts.time < 0 || kind(next) != CellKind::kNumber) return parts;
-  const TextColumn& fraction = layout.columns[static_cast<size_t>(next)];
-  const std::string unit =
-      fraction.unit.empty() ? UnitOfTimeName(fraction.name) : fraction.unit;
-  if (unit == "ms" || unit == "us" || unit == "ns") {
-    parts.fraction = next;
-    parts.fraction_in_seconds = SecondsOf(unit);
-  }
-  return parts;
-}
-
-bool ParseRowTime(const std::vector<std::string_view>& cells,
-                  const TimeParts& parts, const TextFormat& format,
-                  char decimal, ClockCell* cell) {
-  const auto text = [&cells](int i) { return cells[static_cast<size_t>(i)]; };
-  if (!format.time_format.empty()) {
-    const int first = parts.date >= 0 ? parts.date : parts.time;
-    std::string whole(text(first));
-    if (parts.date >= 0 && parts.time >= 0) {
-      whole += " " + std::string(text(parts.time));
-    }
-    if (!ParseClockBy(format.time_format, whole, cell)) return false;
-  } else if (parts.date >= 0) {
-    if (!ParseClock(text(parts.date), cell)) return false;
-    if (parts.time >= 0) {
-      ClockCell time;
-      if (!ParseClock(text(parts.time), &time) || time.has_date) return false;
-      cell->has_time = true;
-      cell->seconds = time.seconds;
-      cell->has_zone = time.has_zone;
-      cell->zone = time.zone;
-    }
-  } else if (!ParseClock(text(parts.time), cell)) {
-    return false;
-  }
-  if (parts.fraction < 0) return true;
-  double fraction = 0.0;
-  if (!ParseCell(text(parts.fraction), decimal, &fraction) ||
-      !(fraction * parts.fraction_in_seconds < 1.0) || !(fraction >= 0.0)) {
-    return false;
-  }
-  cell->seconds += fraction * parts.fraction_in_seconds;
-  return true;
-}
 
 bool IsNameOfTime(const std::string& name) {
   std::string lower = LowerCase(name);
@@ -201,32 +130,6 @@ std::string UnitOfTimeName(const std::string& name) {
   if (unit == "s" && at == std::string::npos && name.size() < 2) return "";
   if (unit == "h" || unit == "min" || unit == "day") return "";
   return SecondsOf(unit) > 0.0 ? unit : "";
-}
-
-std::string UnitOfClockPart(const std::string& name) {
-  std::string lower = LowerCase(name);
-  ReplaceAll("_", " ", &lower);
-  struct Part {
-    const char* name;
-    const char* unit;
-  };
-  constexpr Part kParts[] = {
-      {"year", "year"},     {"yr", "year"},         {"yyyy", "year"},
-      {"jahr", "year"},     {"ann\u00E9e", "year"}, {"a\u00F1o", "year"},
-      {"month", "month"},   {"monat", "month"},     {"mois", "month"},
-      {"mes", "month"},     {"date", "date"},       {"datum", "date"},
-      {"day", "day"},       {"doy", "day"},         {"day of year", "day"},
-      {"dayofyear", "day"}, {"julian day", "day"},  {"jday", "day"},
-      {"yday", "day"},      {"tag", "day"},         {"jour", "day"},
-      {"d\u00EDa", "day"},  {"hour", "h"},          {"hours", "h"},
-      {"hr", "h"},          {"stunde", "h"},        {"heure", "h"},
-      {"hora", "h"},        {"minute", "min"},      {"minutes", "min"},
-      {"minuto", "min"},    {"second", "s"},        {"sekunde", "s"},
-      {"seconde", "s"},     {"segundo", "s"}};
-  for (const Part& part : kParts) {
-    if (lower == part.name) return part.unit;
-  }
-  return "";
 }
 
 void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,

@@ -1,17 +1,12 @@
-// The time column of a text file.
+// The time column of a text file: its name, its unit, and times as numbers.
 
 #ifndef PINODE_RECORD_FILES_TEXT_TIME_H_
 #define PINODE_RECORD_FILES_TEXT_TIME_H_
 
-#include <algorithm>
-#include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "pinode/record/files/clock.h"
 #include "pinode/record/files/text_format.h"
-#include "pinode/record/files/text_layout.h"
 #include "pinode/record/table.h"
 
 namespace pinode {
@@ -20,42 +15,11 @@ namespace pinode {
 // counts milliseconds has a step of 1.
 constexpr double kLongestStepOfSeconds = 0.5;
 
-// Columns that make up a time: a clock time in one column, or a date, a time of
-// day and a fraction of a second side by side.
-struct TimeParts {
-  int date = -1;      // or date and time of day
-  int time = -1;      // time of day
-  int fraction = -1;  // whole numbers
-  double fraction_in_seconds = 0.0;
-
-  bool IsClock() const { return date >= 0 || time >= 0; }
-  int Last() const { return std::max({date, time, fraction}); }
-  bool Has(int column) const {
-    return column == date || column == time || column == fraction;
-  }
-};
-
-// Finds the parts that belong to a column of clock times; none of a column of
-// numbers, unless the format says that it holds clock times.
-TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
-                        int column);
-
-// Parses the time of a row; false if it is none.
-[[nodiscard]] bool ParseRowTime(const std::vector<std::string_view>& cells,
-                                const TimeParts& parts,
-                                const TextFormat& format, char decimal,
-                                ClockCell* cell);
-
 // True for names that people and loggers give to the time.
 bool IsNameOfTime(const std::string& name);
 
 // Returns the unit that a name alone states: "ms", "time_us". Empty if none.
 std::string UnitOfTimeName(const std::string& name);
-
-// Returns the unit of a part of a clock that stands in a column of its own, by
-// its name: "day" for "DOY" and "Tag", "s" for "Second", "year", "month" and
-// "date". Empty for other names.
-std::string UnitOfClockPart(const std::string& name);
 
 // Brings the numbers of a time column to a unit that FindTimeGrid can use:
 // finds it (*unit is that of the file, or empty), counts ticks of clocks in

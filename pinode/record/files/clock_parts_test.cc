@@ -1,0 +1,223 @@
+#include "pinode/record/files/clock_parts.h"
+
+#include <algorithm>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "pinode/record/files/text_table.h"
+
+namespace pinode {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Reads a text by its own outline.
+bool ReadByOutline(const std::string& text, Table* table, TextOutline* outline,
+                   std::string* error) {
+  TextFormat format;
+  if (!ParseTextOutline(text, "r.csv", format, outline, error)) return false;
+  EXPECT_GE(outline->time_column, 0);
+  if (outline->time_column < 0) return false;
+  format.time_column =
+      outline->columns[static_cast<size_t>(outline->time_column)].name;
+  return ParseTextTable(text, "r.csv", {format.time_column, "a"}, format, table,
+                        error);
+}
+
+std::string Error(const std::string& text) {
+  Table table;
+  TextOutline outline;
+  std::string error;
+  EXPECT_FALSE(ReadByOutline(text, &table, &outline, &error)) << text;
+  return error;
+}
+
+// Columns of a whole clock become seconds from the first row, with its date.
+TEST(ClockPartsTest, WholeClocks) {
+  struct Clock {
+    const char* header;
+    const char* first;
+    const char* second;
+    double seconds;
+    double origin;  // since 1970
+  };
+  for (const Clock& clock :
+       {// 2024-12-31 is day 366.
+        Clock{"Year,DOY,Hour,Minute,Second", "2024,366,23,59,59.995",
+              "2025,1,0,0,0", 0.005, 1735689599.995},
+        {"Year,Month,Day,Hour,Minute,Second", "2024,2,28,23,59,59.5",
+         "2024,2,29,0,0,0.0", 0.5, 1709164799.5},
+        {"Jahr,Monat,Tag,Stunde,Minute,Sekunde", "23,3,1,0,0,1",
+         "23,3,1,0,1,0.5", 59.5, 1677628801.0},
+        {"YYYY,MM,DD,hh,mm,ss", "2024,3,1,12,0,0.25", "2024,3,1,12,0,0.5", 0.25,
+         1709294400.25},
+        {"Year,Month,Day,DOY,Hour,Minute,Second", "2023,3,1,60,0,0,0.5",
+         "2023,3,1,60,0,0,1.25", 0.75, 1677628800.5},
+        {"Date,Hour,Minute,Second", "2024-03-01,12,0,0.25",
+         "2024-03-01,12,0,0.5", 0.25, 1709294400.25},
+        {"Year,DOY,Hour,Minute,Second,ms", "2024,61,12,0,0,995",
+         "2024,61,12,0,1,0", 0.005, 1709294400.995}}) {
+    Table table;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadByOutline(std::string(clock.header) + ",a\n" + clock.first +
+                                  ",3\n" + clock.second + ",1\n",
+                              &table, &outline, &error))
+        << clock.header << ": " << error;
+    EXPECT_NEAR(table.values(1, 0), clock.seconds, 1e-6) << clock.header;
+    EXPECT_EQ(table.time_unit, "s");
+    EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kDate);
+    EXPECT_NEAR(table.time_origin.seconds, clock.origin, 1e-6) << clock.header;
+    EXPECT_THAT(table.reading, HasSubstr("parts of a clock"));
+    for (size_t i = 0; i + 1 < outline.columns.size(); ++i) {
+      EXPECT_FALSE(outline.is_channel[i]) << outline.columns[i].name;
+    }
+    EXPECT_TRUE(outline.is_channel.back());
+  }
+}
+
+TEST(ClockPartsTest, TimesOfDayPassMidnight) {
+  Table table;
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(
+      ReadByOutline("Hour;Minute;Second;a\n23;59;59,9;3\n23;59;59,95;3\n"
+                    "0;0;0,0;1\n0;0;0,05;2\n",
+                    &table, &outline, &error))
+      << error;
+  EXPECT_NEAR(table.values(3, 0), 0.15, 1e-9);
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kTimeOfDay);
+  EXPECT_THAT(outline.time_parts, ElementsAre(0, 1, 2));
+}
+
+// Any part names the clock.
+TEST(ClockPartsTest, AnyPartIsTheTime) {
+  const std::string text =
+      "Year,DOY,Hour,Minute,Second,a\n2024,61,12,59,59.5,3\n"
+      "2024,61,13,0,0.0,1\n2024,61,13,0,0.5,1\n";
+  for (const char* name : {"Year", "DOY", "Hour", "Minute", "Second"}) {
+    TextFormat format;
+    format.time_column = name;
+    Table table;
+    std::string error;
+    ASSERT_TRUE(
+        ParseTextTable(text, "r.csv", {name, "a"}, format, &table, &error))
+        << error;
+    EXPECT_NEAR(table.values(2, 0), 1.0, 1e-9) << name;
+  }
+}
+
+// A unit of the time says that the column is the whole of it.
+TEST(ClockPartsTest, UnitOfTheTime) {
+  TextFormat format;
+  format.time_column = "Hour";
+  format.time_unit = "h";
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseTextTable(
+      "Hour,Minute,Second,a\n0.5,30,1800,3\n0.75,45,2700,1\n1,60,3600,1\n",
+      "r.csv", {"Hour", "a"}, format, &table, &error))
+      << error;
+  EXPECT_EQ(table.time_unit, "h");
+  EXPECT_NEAR(table.values(2, 0), 1.0, 1e-12);
+}
+
+// What is not whole or not certain is no clock.
+TEST(ClockPartsTest, IncompleteClocks) {
+  for (const char* header :
+       {"Year,DOY,Second,a", "DOY,Hour,Minute,Second,a",
+        "Year,Day,Hour,Minute,Second,a", "Year,Month,Hour,Minute,Second,a",
+        "Hour,Minute,Second,Second,a", "Hour,Minute,Second [ms],a",
+        "Hour,Minute,a", "h,min,a", "Date,Hour,Minute,Second,a",
+        "first,second,a"}) {
+    std::string text = std::string(header) + "\n";
+    const auto cells = std::count(text.begin(), text.end(), ',');
+    for (int i = 0; i < 4; ++i) {
+      for (auto j = 0; j < cells; ++j) text += "1,";
+      text += "0." + std::to_string(i) + "\n";
+    }
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ParseTextOutline(text, "r.csv", {}, &outline, &error)) << error;
+    EXPECT_FALSE(FindClockParts(outline.columns).IsComplete()) << header;
+    EXPECT_THAT(outline.time_parts, IsEmpty()) << header;
+  }
+}
+
+TEST(ClockPartsTest, RefusesPartsThatCannotBe) {
+  struct BadPart {
+    const char* row;
+    const char* message;
+  };
+  for (const BadPart& bad :
+       {BadPart{"2023,366,12,0,0,3", "'366', expected a day of the year 2023"},
+        {"2024,0,12,0,0,3", "column 'DOY': '0', expected a whole number"},
+        {"2024,61.5,12,0,0,3", "'61.5', expected a whole number"},
+        {"202,61,12,0,0,3", "'202', expected a year"},
+        {"2024,61,24,0,0,3", "'24', expected a whole number from 0 to 23"},
+        {"2024,61,12,60,0,3", "'60', expected a whole number from 0 to 59"},
+        {"2024,61,12,0,60,3", "'60', expected a number from 0 to less than 60"},
+        {"2024,61,12,0,-1,3", "'-1', expected"},
+        {"2024,61,12,,0,3", "'', expected"}}) {
+    const std::string error =
+        Error("Year,DOY,Hour,Minute,Second,a\n2024,61,11,59,59.5,1\n" +
+              std::string(bad.row) + "\n2024,61,12,0,0.5,2\n");
+    EXPECT_THAT(error, HasSubstr("r.csv:3: "));
+    EXPECT_THAT(error, HasSubstr(bad.message));
+    EXPECT_THAT(error, HasSubstr("`time_unit`"));
+  }
+  EXPECT_THAT(
+      Error("Year,Month,Day,DOY,Hour,Minute,Second,a\n"
+            "2024,3,1,60,12,0,0,1\n2024,3,1,60,12,0,1,1\n"),
+      HasSubstr("column 'DOY': '60', expected the day of the date beside it"));
+  EXPECT_THAT(Error("Year,Month,Day,Hour,Minute,Second,a\n"
+                    "2023,2,29,12,0,0,1\n2023,2,29,12,0,1,1\n"),
+              HasSubstr("is not a date"));
+  // Counts of milliseconds are no fractions.
+  EXPECT_THAT(Error("Hour,Minute,Second,ms,a\n12,0,0,995,1\n12,0,1,1000,2\n"),
+              HasSubstr("column 'ms': '1000', expected a number from 0 to "
+                        "less than 1000"));
+  EXPECT_THAT(Error("Hour,Minute,Second,ms,a\n12,0,0.5,500,1\n12,0,0.6,600,2"
+                    "\n"),
+              HasSubstr("whole seconds"));
+  EXPECT_THAT(Error("Hour,Minute,Second,a\n12,0,0,1\n12,0,0,2\n12,0,0,3\n"),
+              HasSubstr("the clock is coarser than the rows"));
+}
+
+// Hours that count to 12 are no hours of the day.
+TEST(ClockPartsTest, HalvesOfTheDay) {
+  EXPECT_THAT(Error("Hour,Minute,Second,Half,a\n12,59,59.5,PM,1\n"
+                    "1,0,0.0,PM,2\n1,0,0.5,PM,3\n"),
+              HasSubstr("AM or PM stands in a column of its own"));
+  EXPECT_THAT(Error("Time,Half,a\n10:59:59.0,p.m.,1\n10:59:59.5,p.m.,2\n"
+                    "11:00:00.0,p.m.,3\n"),
+              HasSubstr("`sampling_rate_hz`"));
+}
+
+// A date and a time of day need not stand side by side.
+TEST(ClockPartsTest, DateAwayFromTheTime) {
+  Table table;
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(
+      ReadByOutline("Date,a,Time\n2024-02-29,1,23:59:59.5\n"
+                    "2024-03-01,2,00:00:00.0\n2024-03-01,2,00:00:00.5\n",
+                    &table, &outline, &error))
+      << error;
+  EXPECT_NEAR(table.values(2, 0), 1.0, 1e-9);
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kDate);
+  // The date of a calibration is none of the time.
+  ASSERT_TRUE(
+      ReadByOutline("Calibrated,a,Time\n2024-02-29,1,23:59:59.5\n"
+                    "2024-02-29,2,00:00:00.0\n2024-02-29,2,00:00:00.5\n",
+                    &table, &outline, &error))
+      << error;
+  EXPECT_NEAR(table.values(2, 0), 1.0, 1e-9);
+  EXPECT_EQ(table.time_origin.kind, TimeOrigin::Kind::kTimeOfDay);
+}
+
+}  // namespace
+}  // namespace pinode
