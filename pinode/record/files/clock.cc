@@ -205,8 +205,13 @@ const char* OrderName(Order order) {
 std::vector<Order> OrdersOf(const ClockCell& cell) {
   if (cell.digits[0] == 4) return {Order::kYearMonthDay};
   if (cell.month_is_named) return {Order::kDayMonthYear};
-  // With points, the day comes first in every country.
-  if (cell.separator == '.') return {Order::kDayMonthYear};
+  // With points, a year of two digits may come first, as in Korea or Hungary;
+  // else it is the day in every country.
+  if (cell.separator == '.') {
+    return cell.digits[2] == 4
+               ? std::vector<Order>{Order::kDayMonthYear}
+               : std::vector<Order>{Order::kDayMonthYear, Order::kYearMonthDay};
+  }
   if (cell.digits[2] == 4) {
     return {Order::kDayMonthYear, Order::kMonthDayYear};
   }
@@ -415,7 +420,8 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
     }
     if (even.size() != 1) {
       *error =
-          "may be day-month or month-day, and the times are not the same; set "
+          "has its day, month and year in an open order, and the times are not "
+          "the same; set "
           "`time_format`, such as \"%d/%m/%Y %H:%M:%S\"";
       *bad_row = 0;
       return false;
@@ -429,7 +435,8 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
   column->format =
       cells[0].has_date
           ? (certain ? OrderName(kept[0].first)
-                     : "date (day-month or month-day: the same here)")
+                     : "date (the order of its numbers is open, and the times "
+                       "are the same)")
           : "";
   return true;
 }

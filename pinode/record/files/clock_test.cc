@@ -37,7 +37,7 @@ TEST(ClockTest, ReadsTheFormsOfLoggers) {
         "2024-03-01 12:00:00,005", "2024/03/01 12:00:00.005 PM",
         "2024-03-01 13:00:00.005+01:00", "2024-03-01 07:00:00.005-0500",
         "01.03.2024 12:00:00,005", "1.3.2024 12:00:00.005",
-        "01.03.24 12:00:00:005", "01-Mar-2024 12:00:00.005",
+        "1.3.2024 12:00:00:005", "01-Mar-2024 12:00:00.005",
         "01-M\xC3\xA4r-2024 12:00:00.005", "2024-03-01_12:00:00.005",
         "12:00:00.005 2024-03-01"}) {
     const ClockColumn column = Resolved({text});
@@ -45,6 +45,17 @@ TEST(ClockTest, ReadsTheFormsOfLoggers) {
     EXPECT_TRUE(column.is_dated) << text;
     EXPECT_TRUE(column.is_order_certain) << text;
   }
+  // Day or year first; a day later tells.
+  const ClockColumn open = Resolved({"01.03.24 12:00:00"});
+  EXPECT_FALSE(open.is_order_certain);
+  const ClockColumn days = Resolved(
+      {"01.03.24 23:59:59.5", "02.03.24 00:00:00", "02.03.24 00:00:01"});
+  EXPECT_NEAR(days.origin, kNoon + 43199.5, 1e-6);
+  EXPECT_TRUE(days.is_order_certain);
+  EXPECT_NEAR(Resolved({"24.03.01 23:59:59.5", "24.03.02 00:00:00",
+                        "24.03.02 00:00:01"})
+                  .origin,
+              kNoon + 43199.5, 1e-6);
   EXPECT_NEAR(Resolved({"12:00:00.25"}).origin, 43200.25, 1e-9);
   EXPECT_FALSE(Resolved({"12:00:00.25"}).is_dated);
 }

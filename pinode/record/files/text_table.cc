@@ -12,6 +12,7 @@
 #include "pinode/base/text_encoding.h"
 #include "pinode/record/files/text_clock.h"
 #include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_sentences.h"
 #include "pinode/record/files/text_thousands.h"
 #include "pinode/record/files/text_time.h"
 #include "pinode/record/number_rows.h"
@@ -21,24 +22,8 @@ namespace {
 
 // Numbers of more digits are no exact doubles.
 constexpr double kLargestExact = 9e15;
-
-// Returns the text of a delimiter for messages.
-std::string DelimiterName(char delimiter) {
-  switch (delimiter) {
-    case '\t':
-      return "tabs";
-    case ' ':
-      return "blanks";
-    case ';':
-      return "semicolons";
-    case '|':
-      return "bars";
-    case ',':
-      return "commas";
-    default:
-      return "one column";
-  }
-}
+// Instruments with SCPI write 9.9e37 for an overflow and 9.91e37 for no number.
+constexpr double kOverflow = 9.8e37;
 
 bool HasName(const std::string& name, const std::vector<std::string>& names) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -71,7 +56,7 @@ class TextTableReader {
         layout_.is_plain && !IsClock() && !HasLongTime() && !HasTimeOfText() &&
         !MayHaveThousands(std::string_view(text_).substr(layout_.first_row));
     if (!(plain ? ReadPlain() : ReadRows())) return false;
-    if (!plain) SayLayout();
+    if (!plain) Say(DescribeLayout(layout_));
     if (!FinishTime()) return false;
     table_.reading = std::move(said_);
     *table = std::move(table_);
@@ -98,23 +83,6 @@ class TextTableReader {
     said_ += (said_.empty() ? "" : ", ") + text;
   }
 
-  void SayLayout() {
-    std::string text = DelimiterName(layout_.delimiter) + " between columns";
-    if (layout_.decimal == ',') text += ", decimal comma";
-    text += layout_.names_line > 0
-                ? ", names in line " + std::to_string(layout_.names_line)
-                : ", no names";
-    if (layout_.units_line > 0) {
-      text += ", units in line " + std::to_string(layout_.units_line);
-    }
-    text += ", first row in line " + std::to_string(layout_.first_row_line);
-    if (!layout_.doubtful_units.empty()) {
-      text += ", no unit for '" + Join(layout_.doubtful_units, "', '") +
-              "': the name and the row of units differ";
-    }
-    said_ = said_.empty() ? text : said_ + ", " + text;
-  }
-
   bool IsClock() const {
     return clock_.has_value() && clock_->parts().IsClock();
   }
@@ -137,6 +105,9 @@ class TextTableReader {
       time_ = layout_.FindColumn(format_.time_column, &what);
       if (time_ < 0) return FailOnName(line, what);
       clock_.emplace(layout_, format_, time_);
+      unit_above_ = UnitOfTimeAbove(
+          std::string_view(text_).substr(0, layout_.first_row),
+          {layout_.names_line, layout_.units_line}, &unit_above_line_);
     }
     if (wanted_.empty()) {
       for (size_t i = 0; i < layout_.columns.size(); ++i) {
@@ -212,7 +183,7 @@ class TextTableReader {
     }
     table_.values = std::move(plain.values);
     table_.line_numbers = std::move(plain.line_numbers);
-    return true;
+    return CheckFinite();
   }
 
   // Reads all rows by the layout; once more with decimal commas where the first
@@ -329,7 +300,9 @@ class TextTableReader {
         layout_.columns.size() < layout_.num_cells) {
       cells_.emplace_back();
     }
-    if (cells_.size() != layout_.num_cells) return RefuseRagged(line_number);
+    if (cells_.size() != layout_.num_cells) {
+      return Fail(line_number, WhyRagged(cells_.size(), layout_));
+    }
     std::string what;
     if (IsClock() && !clock_->Add(cells_, layout_.decimal, &what)) {
       return Fail(line_number, what);
@@ -378,63 +351,36 @@ class TextTableReader {
   }
 
   bool RefuseCell(int64_t line_number, int place, std::string_view cell) {
-    const std::string where = "column '" + ColumnAt(place).name + "': ";
     double value = 0.0;
-    ClockCell clock;
-    if (layout_.decimal == '.' && ParseCell(cell, ',', &value)) {
-      if (layout_.is_decimal_open) reread_ = true;
-      return Fail(line_number, where + Quote(cell) +
-                                   " has a decimal comma, other rows have a "
-                                   "decimal point; set `decimal`");
-    }
-    if (ParseClock(cell, &clock)) {
-      return Fail(line_number, where + Quote(cell) +
-                                   " is a clock time, expected a number; name "
-                                   "this column as `time` to read clock times");
-    }
-    if (place == time_ && HasTimeOfText()) {
-      return Fail(line_number,
-                  where + Quote(cell) +
-                      " is neither a number nor a known form of clock times; "
-                      "set `time_format`, such as \"%Hh%Mm%S.%f\" for "
-                      "12h30m05.25, or give `sampling_rate_hz`");
-    }
-    if (IsLakhNumber(cell)) {
-      return Fail(line_number, where + WhyNoLakh(cell));
-    }
-    return Fail(
-        line_number,
-        where + Quote(cell) + " is not a number" +
-            (place == time_
-                 ? "; delete the line if it is no row, set `time_format`, or "
-                   "give `sampling_rate_hz`"
-                 : ". Write nan for a missing value, and delete lines that are "
-                   "no rows. If pinode misread the file, set `decimal`, "
-                   "`delimiter` or `header_lines`"));
+    reread_ = layout_.is_decimal_open && layout_.decimal == '.' &&
+              ParseCell(cell, ',', &value);
+    return Fail(line_number, "column '" + ColumnAt(place).name + "': " +
+                                 WhyNoNumber(cell, layout_.decimal,
+                                             place == time_, HasTimeOfText()));
   }
 
-  bool RefuseRagged(int64_t line_number) {
-    return Fail(line_number, std::to_string(cells_.size()) +
-                                 (cells_.size() == 1 ? " cell" : " cells") +
-                                 ", expected " +
-                                 std::to_string(layout_.num_cells) +
-                                 " as in the first row (line " +
-                                 std::to_string(layout_.first_row_line) +
-                                 "); delete the line if it is no row");
+  // Refuses infinite numbers, and marks of an overflow.
+  bool CheckFinite() {
+    for (Eigen::Index j = 0; j < table_.values.cols(); ++j) {
+      if (clock_column(j)) continue;
+      for (Eigen::Index i = 0; i < table_.values.rows(); ++i) {
+        const double value = table_.values(i, j);
+        if (!(std::abs(value) >= kOverflow)) continue;
+        return Fail(table_.line_numbers[static_cast<size_t>(i)],
+                    "column '" + table_.columns[static_cast<size_t>(j)] +
+                        "': the number " +
+                        (std::isinf(value)
+                             ? "is not finite"
+                             : FormatNumber(value) + " means an overflow") +
+                        "; write nan for a missing value");
+      }
+    }
+    return true;
   }
 
   // Refuses numbers that can be read in two ways, and infinite ones.
   bool CheckMeaning() {
-    for (Eigen::Index j = 0; j < table_.values.cols(); ++j) {
-      if (clock_column(j)) continue;
-      for (Eigen::Index i = 0; i < table_.values.rows(); ++i) {
-        if (!std::isinf(table_.values(i, j))) continue;
-        return Fail(table_.line_numbers[static_cast<size_t>(i)],
-                    "column '" + table_.columns[static_cast<size_t>(j)] +
-                        "': the number is not finite; write nan for a missing "
-                        "value");
-      }
-    }
+    if (!CheckFinite()) return false;
     if (!commas_.doubtful().empty() && format_.decimal == 0) {
       return Fail(layout_.first_row_line, WhyDoubtful(commas_.doubtful(), ','));
     }
@@ -471,6 +417,15 @@ class TextTableReader {
       Say("time '" + ColumnAt(time_).name + "' read as seconds");
     }
     std::string what;
+    const bool is_stated = !format_.time_unit.empty() ||
+                           !ColumnAt(time_).unit.empty() ||
+                           !UnitOfTimeName(ColumnAt(time_).name).empty();
+    if (!unit_above_.empty() && !is_stated) {
+      return Fail(unit_above_line_,
+                  "this line may state that the times are in " + unit_above_ +
+                      ", but column '" + ColumnAt(time_).name +
+                      "' has no unit; set `time_unit`");
+    }
     if (!ReadTimeNumbers(format_, ColumnAt(time_).unit, column,
                          static_cast<double>(first_ticks_), &table_, &said_,
                          &what)) {
@@ -486,6 +441,9 @@ class TextTableReader {
   const TextFormat& format_;
   std::string* error_;
   TextLayout layout_;
+  // Unit of the time that a line above the names may state.
+  std::string unit_above_;
+  int64_t unit_above_line_ = 0;
   Table table_;
   std::string said_;
   std::string time_said_;

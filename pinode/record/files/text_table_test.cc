@@ -244,6 +244,10 @@ TEST(TextTableTest, FaultsNameTheLine) {
   EXPECT_THAT(ErrorOf(head + "0,2;\"1\n"), HasSubstr(":5: stray quote"));
   EXPECT_THAT(ErrorOf(head + "0,2;inf\n"), HasSubstr("not finite; write nan"));
   EXPECT_THAT(ErrorOf("t,a\n0,inf\n1,2\n"), HasSubstr("not finite; write nan"));
+  for (const char* start : {"t,a\n0,", "x\nt;a\n0;"}) {
+    EXPECT_THAT(ErrorOf(std::string(start) + "-9.9E+37\n"),
+                HasSubstr("means an overflow; write nan"));
+  }
   // Footers, and delimiters at the ends of rows alone.
   EXPECT_THAT(ErrorOf(head + "End\n"), HasSubstr("delete the line"));
   EXPECT_THAT(ErrorOf("t,a\n0,1.5\n1,2\nEnd\n"), HasSubstr("delete the line"));

@@ -1,6 +1,7 @@
 #include "pinode/record/files/text_time.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -42,6 +43,14 @@ constexpr double kLargestStepOfDays = 1e-3;
 constexpr double kEpochSeconds[] = {9e8, 2.3e9};
 constexpr double kLargestStepOfEpoch = 60.0;
 
+// Parts of a day as spreadsheets count them are below 1. Read as seconds, no
+// logger of vibration has such a rate, in Hz.
+constexpr double kHighestRate = 200e3;
+
+// Seconds between 59 and the next minute, and the next hour, of numbers such as
+// 125959 that are written without signs between.
+constexpr double kPackedSteps[] = {40.0, 4040.0};
+
 double MedianStep(const Eigen::Ref<const Vector>& times) {
   std::vector<double> steps;
   for (Eigen::Index i = 1; i < times.size(); ++i) {
@@ -55,6 +64,96 @@ double MedianStep(const Eigen::Ref<const Vector>& times) {
 bool AreEpochSeconds(const Eigen::Ref<const Vector>& times) {
   return times[0] >= kEpochSeconds[0] && times[0] <= kEpochSeconds[1] &&
          MedianStep(times) <= kLargestStepOfEpoch;
+}
+
+// True for hours, minutes and seconds in one number each: no part reaches 60,
+// and 59 s are followed by the next minute.
+bool ArePackedClocks(const Eigen::Ref<const Vector>& times, Eigen::Index* row) {
+  std::vector<Eigen::Index> jumps;
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    if (!(times[i] >= 0.0) || std::fmod(times[i], 100.0) >= 60.0 ||
+        std::fmod(std::floor(times[i] / 100.0), 100.0) >= 60.0) {
+      return false;
+    }
+    if (i > 0 && times[i] - times[i - 1] >= kPackedSteps[0]) jumps.push_back(i);
+  }
+  if (jumps.empty()) return false;
+  // Larger steps need a unit anyway.
+  const double step = MedianStep(times);
+  if (step > kLongestStepOfSeconds) return false;
+  for (const Eigen::Index i : jumps) {
+    for (const double gap : kPackedSteps) {
+      const double over = times[i] - times[i - 1] - gap;
+      if (std::abs(over - step) >= 0.5 * step) continue;
+      *row = i;
+      return true;
+    }
+  }
+  return false;
+}
+
+// Why numbers without a unit are not read as seconds; empty: they are.
+std::string WhyNoSeconds(const Eigen::Ref<const Vector>& times,
+                         const std::string& name) {
+  const double last = times[times.size() - 1];
+  if (times[0] >= 0.0 && last > times[0] && last <= 1.0 &&
+      MedianStep(times) * kHighestRate < 1.0) {
+    return "column '" + name +
+           "' may be parts of a day (as in spreadsheets) or seconds; set "
+           "`time_unit` to \"day\" or \"s\", or give `sampling_rate_hz`";
+  }
+  Eigen::Index row = 0;
+  if (!ArePackedClocks(times, &row)) return "";
+  const char* format = times[row] < 1e4   ? "%M%S"
+                       : times[row] < 1e6 ? "%H%M%S"
+                                          : "%Y%m%d%H%M%S";
+  return "column '" + name + "' has minutes and seconds in one number: " +
+         FormatNumber(times[row - 1], 15) + " is followed by " +
+         FormatNumber(times[row], 15) + ". Set `time_format`, such as \"" +
+         format +
+         "\", or give `sampling_rate_hz`; set `time_unit` to \"s\" if they "
+         "are seconds";
+}
+
+// Returns the next word of letters, with its end in *at; empty: there is none.
+std::string NextWord(std::string_view line, size_t* at) {
+  const auto is_letter = [&line](size_t i) {
+    return std::isalpha(static_cast<unsigned char>(line[i])) != 0 ||
+           static_cast<unsigned char>(line[i]) >= 0x80;
+  };
+  while (*at < line.size() && !is_letter(*at)) {
+    if (std::isdigit(static_cast<unsigned char>(line[*at])) != 0) return "";
+    ++*at;
+  }
+  const size_t begin = *at;
+  while (*at < line.size() && is_letter(*at)) ++*at;
+  return LowerCase(line.substr(begin, *at - begin));
+}
+
+// Returns "ms" for "time in ms" and the like; empty for other lines.
+std::string SmallUnitOfTime(std::string_view line) {
+  size_t at = 0;
+  bool is_time = false;
+  while (at < line.size()) {
+    const std::string word = NextWord(line, &at);
+    if (word.empty()) {
+      // A number.
+      is_time = false;
+      at = std::min(line.find_first_not_of("0123456789", at), line.size());
+      continue;
+    }
+    const std::string unit = CanonicalUnit(word);
+    if (is_time && (unit == "ms" || unit == "us" || unit == "ns")) {
+      // "Sampling time [ms]: 10" is a step.
+      return line.find_first_of("0123456789", at) == std::string_view::npos
+                 ? unit
+                 : "";
+    }
+    const bool is_between =
+        word == "in" || word == "unit" || word == "units" || word == "einheit";
+    is_time = IsNameOfTime(word) || (is_time && is_between);
+  }
+  return "";
 }
 
 // Returns the seconds of a unit, or 0 if it is none of a time.
@@ -172,6 +271,18 @@ void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
   }
 }
 
+std::string UnitOfTimeAbove(std::string_view preamble,
+                            const std::vector<int64_t>& names, int64_t* line) {
+  *line = 0;
+  for (const std::string_view text : Split(preamble, '\n')) {
+    ++*line;
+    if (std::find(names.begin(), names.end(), *line) != names.end()) continue;
+    const std::string unit = SmallUnitOfTime(text);
+    if (!unit.empty()) return unit;
+  }
+  return "";
+}
+
 bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
                      int column, double first, Table* table, std::string* said,
                      std::string* error) {
@@ -217,6 +328,10 @@ bool ReadTimeNumbers(const TextFormat& format, const std::string& file_unit,
                name + " [s]', or give `sampling_rate_hz`";
       return false;
     }
+  }
+  if (unit.empty() && times.size() > 1) {
+    *error = WhyNoSeconds(times, name);
+    if (!error->empty()) return false;
   }
   const std::string part = UnitOfClockPart(name);
   if (unit.empty() && !part.empty() && part != "s" && !AreEpochSeconds(times)) {

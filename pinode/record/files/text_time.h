@@ -3,7 +3,9 @@
 #ifndef PINODE_RECORD_FILES_TEXT_TIME_H_
 #define PINODE_RECORD_FILES_TEXT_TIME_H_
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pinode/record/files/text_format.h"
@@ -20,6 +22,12 @@ bool IsNameOfTime(const std::string& name);
 
 // Returns the unit that a name alone states: "ms", "time_us". Empty if none.
 std::string UnitOfTimeName(const std::string& name);
+
+// Returns the unit below a second that a line above the rows states for the
+// time, such as "ms" of "# time in ms", with the number of that line; empty:
+// none does. The lines `names` are those of names and units.
+std::string UnitOfTimeAbove(std::string_view preamble,
+                            const std::vector<int64_t>& names, int64_t* line);
 
 // Brings the numbers of a time column to a unit that FindTimeGrid can use:
 // finds it (*unit is that of the file, or empty), counts ticks of clocks in
