@@ -442,19 +442,23 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
 }
 
 std::string ClockText(double origin, bool is_dated) {
-  const double days = std::floor(origin / kSecondsOfDay);
-  const double of_day = origin - days * kSecondsOfDay;
-  const int whole = static_cast<int>(of_day);
-  std::string text(16, ' ');
-  text.resize(static_cast<size_t>(std::snprintf(text.data(), text.size(),
-                                                "%02d:%02d:%02d", whole / 3600,
-                                                whole / 60 % 60, whole % 60)));
-  const double fraction = of_day - whole;
-  if (fraction >= 5e-7) {
-    text += FormatNumber(std::round(1e6 * fraction) / 1e6).substr(1);
-  }
+  constexpr int64_t kMicroseconds = 1000000;
+  // Clocks of today have a resolution of 0.2 us in a double.
+  const int64_t ticks = std::llround(origin * 1e6);
+  const int64_t ticks_of_day = 86400 * kMicroseconds;
+  const int64_t day_ticks =
+      (ticks % ticks_of_day + ticks_of_day) % ticks_of_day;
+  const int64_t days = (ticks - day_ticks) / ticks_of_day;
+  const int whole = static_cast<int>(day_ticks / kMicroseconds);
+  const int fraction = static_cast<int>(day_ticks % kMicroseconds);
+  std::string text(32, ' ');
+  text.resize(static_cast<size_t>(
+      std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%06d",
+                    whole / 3600, whole / 60 % 60, whole % 60, fraction)));
+  // The fraction without its last zeros, or none.
+  text.resize(fraction == 0 ? text.find('.') : text.find_last_not_of('0') + 1);
   if (!is_dated) return text;
-  const time_t seconds = static_cast<time_t>(days * kSecondsOfDay);
+  const time_t seconds = static_cast<time_t>(days * 86400);
   tm date = {};
   gmtime_r(&seconds, &date);
   std::string day(32, ' ');

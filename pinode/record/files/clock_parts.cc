@@ -43,19 +43,15 @@ constexpr PartName kNames[] = {
     {"segundo", Part::kSec}};
 
 // Names that mean a part beside all others of a clock alone: "min" may be a
-// minimum, and "mm" a displacement.
+// minimum, and "mm" a displacement. "h", "m" and "s" are not among them,
+// because three channels may be called so.
 constexpr PartName kShortNames[] = {
-    {"dd", Part::kDay},       {"h", Part::kHour},
-    {"hh", Part::kHour},      {"hrs", Part::kHour},
-    {"stunden", Part::kHour}, {"heures", Part::kHour},
-    {"std", Part::kHour},     {"m", Part::kMin},
-    {"min", Part::kMin},      {"mins", Part::kMin},
-    {"mm", Part::kMin},       {"minuten", Part::kMin},
-    {"s", Part::kSec},        {"ss", Part::kSec},
-    {"sec", Part::kSec},      {"secs", Part::kSec},
-    {"seconds", Part::kSec},  {"sek", Part::kSec},
-    {"sekunden", Part::kSec}, {"secondes", Part::kSec},
-    {"segundos", Part::kSec}};
+    {"dd", Part::kDay},       {"hh", Part::kHour},     {"hrs", Part::kHour},
+    {"stunden", Part::kHour}, {"heures", Part::kHour}, {"min", Part::kMin},
+    {"mins", Part::kMin},     {"mm", Part::kMin},      {"minuten", Part::kMin},
+    {"ss", Part::kSec},       {"sec", Part::kSec},     {"secs", Part::kSec},
+    {"seconds", Part::kSec},  {"sek", Part::kSec},     {"sekunden", Part::kSec},
+    {"secondes", Part::kSec}, {"segundos", Part::kSec}};
 
 Part PartOf(const std::string& name) {
   std::string lower = LowerCase(name);

@@ -131,8 +131,8 @@ TEST(ClockPartsTest, IncompleteClocks) {
        {"Year,DOY,Second,a", "DOY,Hour,Minute,Second,a",
         "Year,Day,Hour,Minute,Second,a", "Year,Month,Hour,Minute,Second,a",
         "Hour,Minute,Second,Second,a", "Hour,Minute,Second [ms],a",
-        "Hour,Minute,a", "h,min,a", "Date,Hour,Minute,Second,a",
-        "first,second,a"}) {
+        "Hour,Minute,a", "h,min,a", "h,min,s,a", "h,m,s,a", "std,min,sec,a",
+        "Date,Hour,Minute,Second,a", "first,second,a"}) {
     std::string text = std::string(header) + "\n";
     const auto cells = std::count(text.begin(), text.end(), ',');
     for (int i = 0; i < 4; ++i) {
@@ -195,6 +195,13 @@ TEST(ClockPartsTest, HalvesOfTheDay) {
   EXPECT_THAT(Error("Time,Half,a\n10:59:59.0,p.m.,1\n10:59:59.5,p.m.,2\n"
                     "11:00:00.0,p.m.,3\n"),
               HasSubstr("`sampling_rate_hz`"));
+}
+
+// A fraction in two columns would count twice.
+TEST(ClockPartsTest, FractionsStandInOneColumn) {
+  EXPECT_THAT(Error("Time,ms,a\n12:00:00.00,0,1\n12:00:00.01,10,2\n"
+                    "12:00:00.02,20,3\n"),
+              HasSubstr("r.csv:3: column 'Time': '12:00:00.01' is not a time"));
 }
 
 // A date and a time of day need not stand side by side.

@@ -124,6 +124,11 @@ TEST(ClockTest, FormatsOfStrptime) {
 TEST(ClockTest, WritesTimes) {
   EXPECT_EQ(ClockText(kNoon + 0.005, true), "2024-03-01 12:00:00.005");
   EXPECT_EQ(ClockText(43200.0, false), "12:00:00");
+  EXPECT_EQ(ClockText(kNoon + 0.0005, true), "2024-03-01 12:00:00.0005");
+  // Rounded to the next second, and to the next day.
+  EXPECT_EQ(ClockText(kNoon + 0.9999999, true), "2024-03-01 12:00:01");
+  EXPECT_EQ(ClockText(kNoon + 43199.9999999, true), "2024-03-02 00:00:00");
+  EXPECT_EQ(ClockText(-0.5, true), "1969-12-31 23:59:59.5");
 }
 
 }  // namespace

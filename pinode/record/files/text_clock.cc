@@ -1,6 +1,7 @@
 #include "pinode/record/files/text_clock.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pinode/base/file_text.h"
 #include "pinode/base/logging.h"
@@ -149,7 +150,8 @@ bool TextClock::Parse(const std::vector<std::string_view>& cells, char decimal,
   if (parts_.fraction < 0) return true;
   double fraction = 0.0;
   if (!ParseCell(text(parts_.fraction), decimal, &fraction) ||
-      !(fraction * parts_.fraction_in_seconds < 1.0) || !(fraction >= 0.0)) {
+      !(fraction * parts_.fraction_in_seconds < 1.0) || !(fraction >= 0.0) ||
+      cell->seconds != std::floor(cell->seconds)) {
     return false;
   }
   cell->seconds += fraction * parts_.fraction_in_seconds;
