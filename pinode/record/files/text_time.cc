@@ -45,7 +45,7 @@ constexpr double kLargestStepOfEpoch = 60.0;
 
 // Parts of a day as spreadsheets count them are below 1. Read as seconds, no
 // logger of vibration has such a rate, in Hz.
-constexpr double kHighestRate = 200e3;
+constexpr double kHighestLoggerRate = 200e3;
 
 // Seconds between 59 and the next minute, and the next hour, of numbers such as
 // 125959 that are written without signs between.
@@ -97,7 +97,7 @@ std::string WhyNoSeconds(const Eigen::Ref<const Vector>& times,
                          const std::string& name) {
   const double last = times[times.size() - 1];
   if (times[0] >= 0.0 && last > times[0] && last <= 1.0 &&
-      MedianStep(times) * kHighestRate < 1.0) {
+      MedianStep(times) * kHighestLoggerRate < 1.0) {
     return "column '" + name +
            "' may be parts of a day (as in spreadsheets) or seconds; set "
            "`time_unit` to \"day\" or \"s\", or give `sampling_rate_hz`";

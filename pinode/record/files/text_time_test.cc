@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kStep = 0.01;
+constexpr double kSampleStep = 0.01;
 
 // A column `t` that begins at `first`, and another one.
 std::string TextOf(const std::string& header, double first, double step) {
@@ -57,14 +57,15 @@ TEST(TextTimeTest, PackedClocksAreNoSeconds) {
     TextFormat format;
     format.time_format = "%H%M%S";
     EXPECT_EQ(Read(PackedText(first, 1), format, &table), "");
-    EXPECT_NEAR(table.values(299, 0), 299 * kStep, 1e-6);
+    EXPECT_NEAR(table.values(299, 0), 299 * kSampleStep, 1e-6);
     format.time_format = "%Y%m%d%H%M%S";
     EXPECT_EQ(Read(PackedText(first, 2), format, &table), "");
-    EXPECT_NEAR(table.values(299, 0), 299 * kStep, 1e-6);
+    EXPECT_NEAR(table.values(299, 0), 299 * kSampleStep, 1e-6);
   }
   // Seconds stay seconds, with a gap of another length or past 60.
-  EXPECT_EQ(Read(TextOf("t,a\n", 115958.0, kStep), {}, &table), "");
-  EXPECT_NEAR(table.values(299, 0) - table.values(0, 0), 299 * kStep, 1e-6);
+  EXPECT_EQ(Read(TextOf("t,a\n", 115958.0, kSampleStep), {}, &table), "");
+  EXPECT_NEAR(table.values(299, 0) - table.values(0, 0), 299 * kSampleStep,
+              1e-6);
   EXPECT_EQ(Read("t,a\n59.98,1\n59.99,2\n90,3\n90.01,4\n", {}, &table), "");
   TextFormat format;
   format.time_unit = "s";
@@ -72,7 +73,7 @@ TEST(TextTimeTest, PackedClocksAreNoSeconds) {
 }
 
 TEST(TextTimeTest, PartsOfADayAreNoSeconds) {
-  const std::string text = TextOf("t,a\n", 0.5, kStep / 86400.0);
+  const std::string text = TextOf("t,a\n", 0.5, kSampleStep / 86400.0);
   Table table;
   EXPECT_THAT(Read(text, {}, &table), HasSubstr("parts of a day"));
   TextFormat format;

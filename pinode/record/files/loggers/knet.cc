@@ -16,7 +16,7 @@ namespace {
 // Delay of the recorder's time stamp, and the distance of Japan from UTC (s).
 constexpr int64_t kRecorderDelay = 15;
 constexpr int64_t kJapanFromUtc = 9 * 3600;
-constexpr int kMostHeaderLines = 40;
+constexpr int kMostLinesOfKnet = 40;
 
 struct KnetHeader {
   std::string station;
@@ -127,7 +127,7 @@ bool ParseKnet(const std::string& text, const std::string& path,
   KnetHeader header;
   std::string_view line;
   bool is_ended = false;
-  for (int i = 0; i < kMostHeaderLines && !is_ended; ++i) {
+  for (int i = 0; i < kMostLinesOfKnet && !is_ended; ++i) {
     if (!lines.Next(&line)) break;
     const char* expected = "";
     if (!TakeLine(line, &header, &expected)) {

@@ -16,7 +16,7 @@ namespace pinode {
 namespace {
 
 constexpr std::string_view kHeaderEnd = "***End_of_Header***";
-constexpr std::string_view kTitle = "LabVIEW Measurement";
+constexpr std::string_view kLabviewTitle = "LabVIEW Measurement";
 // Largest distance of a segment's start from the clock of the one before it, as
 // a fraction of the step.
 constexpr double kLargestSegmentJitter = 0.1;
@@ -123,11 +123,13 @@ class LvmParser {
 
   bool ReadFileHeader(std::string* error) {
     std::string_view line;
-    if (!lines_.Next(&line) || line.substr(0, kTitle.size()) != kTitle) {
+    if (!lines_.Next(&line) ||
+        line.substr(0, kLabviewTitle.size()) != kLabviewTitle) {
       return lines_.Fail("expected 'LabVIEW Measurement' at the beginning",
                          error);
     }
-    if (line.size() > kTitle.size() && line[kTitle.size()] == ',') {
+    if (line.size() > kLabviewTitle.size() &&
+        line[kLabviewTitle.size()] == ',') {
       separator_ = ',';
     }
     if (!ReadRows(&header_, error)) return false;
