@@ -199,9 +199,10 @@ awk -F';' -v OFS=';' '
 Unclear "give its sensitivity by --scale and --unit" volts.csv "${frame[@]}"
 Run 0 pinode_new volts.csv "${frame[@]}" --case=volts.toml --unit=mg \
   --scale="Boden=2,Etage 1=2,Etage 2=2,Etage 3=-0.5,Etage 4=2,Etage 5=2"
-[[ $(grep -c 'scale     = 2 ' volts.toml) -eq 5 ]] || Fail "five scales of 2"
+[[ $(grep -cE 'scale     = 2(\.0)? ' volts.toml) -eq 5 ]] || Fail "five scales of 2"
 [[ $(grep -c 'scale     = -0.5 ' volts.toml) -eq 1 ]] || Fail "a scale of -0.5"
 [[ $(grep -c 'unit      = "mg" ' volts.toml) -eq 6 ]] || Fail "units of scales"
+! grep -q 'the file says V' stdout || Fail "a scale explains another unit"
 ! grep -q 'upside down?' volts.toml || Fail "a negative scale is a sign"
 cmp <(grep stiffness volts.toml) <(grep stiffness frame.toml) ||
   Fail "scales make another model"

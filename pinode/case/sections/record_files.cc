@@ -258,7 +258,11 @@ void RecordFiles::CompareUnits(const SignalSection& signal,
       UnitFactor(stated, dimension, units_, &in_file, &error) &&
       UnitFactor(signal.unit, dimension, units_, &in_case, &error) &&
       std::abs(in_file / std::abs(in_case * signal.scale) - 1.0) < 1e-9;
-  if (same) return;
+  // The scale of a voltage is the sensitivity of its sensor.
+  const bool is_sensitivity = dimension == Dimension::kVoltage &&
+                              dimension != signal.dimension &&
+                              signal.scale != 1.0;
+  if (same || is_sensitivity) return;
   remarks_.push_back(signal.label + ": the file says " + stated +
                      ", the case says " + signal.unit +
                      ". pinode uses the unit of the case. Set `unit = \"" +
