@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <complex>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -181,7 +182,8 @@ std::shared_ptr<ModesHandle> FromDataFile(
     const std::string& path, const std::vector<std::string>& columns,
     const std::vector<std::string>& quantities, const std::string& time,
     double sampling_rate_hz, bool free_decay, const py::dict& options,
-    const std::string& title) {
+    const std::string& title, const std::map<std::string, std::string>& text,
+    const std::map<std::string, double>& scales, double scale) {
   py::dict tree;
   tree["modes"] = options;
   CaseData none;
@@ -189,8 +191,13 @@ std::shared_ptr<ModesHandle> FromDataFile(
   std::string error;
   Require(ReadModesOptions(TreeFromPython(tree, &none), "", &asked, &error),
           error);
-  const ModesDataFile file = {path, columns,          quantities,
-                              time, sampling_rate_hz, TextFormat()};
+  ModesDataFile file = {path, columns, quantities, time, sampling_rate_hz,
+                        {},   {}};
+  std::string key;
+  Require(
+      ParseTextFormat({text.begin(), text.end()}, &file.format, &key, &error),
+      key + ": " + error);
+  Require(file.scales.Set(scale, scales, &error), "scale: " + error);
   auto handle = std::make_shared<ModesHandle>();
   ModesCase* c = &handle->c;
   RequireInterruptibly([handle, file](std::string* sentence) {
@@ -319,7 +326,8 @@ void BindModes(py::module_* module) {
       .def_static("read_data", &FromDataFile, py::arg("path"),
                   py::arg("columns"), py::arg("quantities"), py::arg("time"),
                   py::arg("sampling_rate_hz"), py::arg("free_decay"),
-                  py::arg("options"), py::arg("title"))
+                  py::arg("options"), py::arg("title"), py::arg("text"),
+                  py::arg("scales"), py::arg("scale"))
       .def("find", &Find, py::arg("threads") = 0)
       .def("save", &Save, py::arg("path"), py::arg("overwrite") = false,
            py::arg("mat") = false)

@@ -223,6 +223,9 @@ class ModesHandle:
         free_decay: bool,
         options: dict[str, Any],
         title: str,
+        text: dict[str, str],
+        scales: dict[str, float],
+        scale: float,
     ) -> ModesHandle: ...
     def find(self, threads: int = 0) -> None: ...
     def save(self, path: str, overwrite: bool = False, mat: bool = False) -> None: ...

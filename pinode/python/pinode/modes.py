@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import ANY, FLAG, LIST, POSITIVE, TEXT, WHOLE, takes, words_of
+from ._arguments import (ANY, FLAG, LIST, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, check_kind,
+                         either, takes, words_of)
 from ._arrays import as_array, is_frame
 from ._conditioned import check_band, check_trend, conditioned
 from ._part import as_flag, as_folder, as_path, as_sequence
@@ -212,8 +213,10 @@ class IdentifiedModes(Sequence):
         return _html.section(f"{len(self)} modes", _html.table(header, rows))
 
 
-@takes(records=ANY, free_decay=FLAG, method=TEXT, time=TEXT, title=TEXT, lowest_hz=POSITIVE,
-       highest_hz=POSITIVE, block_rows=WHOLE, max_order=WHOLE, max_damping_ratio=POSITIVE,
+@takes(records=ANY, free_decay=FLAG, method=TEXT, time=TEXT, time_unit=TEXT, time_format=TEXT,
+       header_lines=WHOLE, delimiter=TEXT, decimal=TEXT, encoding=TEXT,
+       scale=either(NUMBER, MAPPING), title=TEXT, lowest_hz=POSITIVE, highest_hz=POSITIVE,
+       block_rows=WHOLE, max_order=WHOLE, max_damping_ratio=POSITIVE,
        references=LIST, pick=LIST, threads=WHOLE, overwrite=FLAG)
 def identify_modes(
     records: Any,
@@ -227,6 +230,13 @@ def identify_modes(
     free_decay: bool = False,
     columns: str | Sequence[str] | None = None,
     time: str | None = None,
+    time_unit: str | None = None,
+    time_format: str | None = None,
+    header_lines: int | None = None,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+    encoding: str | None = None,
+    scale: float | Mapping[str, float] | None = None,
     method: str | None = None,
     lowest_hz: float | None = None,
     highest_hz: float | None = None,
@@ -258,7 +268,12 @@ def identify_modes(
     loads: measured loads, samples x loads, in any units.
     free_decay: True: no load acts from the first sample on.
     columns: channels of a data file. Default: all columns but the time.
-    time: column of the time in seconds of a data file. Default: "t" or "time".
+    time: column of the time of a data file. Default: found by its name ("t", "time")
+        or its clock times.
+    time_unit, time_format, header_lines, delimiter, decimal, encoding: form of a text
+        file, as the keys of a record with these names. Default: found from the text.
+    scale: factor on the numbers of a data file: a number for all channels, or a
+        dictionary {column: factor}.
     method: "covariance_driven", "data_driven", "input_output" or "ring_down".
         Default: chosen by the kind of record.
     lowest_hz, highest_hz: range of frequencies of the search.
@@ -306,7 +321,10 @@ def identify_modes(
     rate = rate_from("identify_modes", step, fs, sampling_rate_hz)
     one = {"step": step if rate is None or step is not None else 1.0 / rate, "names": names,
            "quantity": quantity, "loads": loads, "free_decay": free_decay}
-    of_file = {"columns": columns, "time": time}
+    of_file = {"columns": columns, "time": time, "time_unit": time_unit,
+               "time_format": time_format, "header_lines": header_lines,
+               "delimiter": delimiter, "decimal": decimal, "encoding": encoding,
+               "scale": scale}
     of_arrays = {"detrend": trend, "filter_hz": band}
     if _is_data_file(records, of_file):
         _refuse_given("these are of arrays", of_arrays)
@@ -315,7 +333,7 @@ def identify_modes(
         _refuse_given("a case says itself what its records are",
                       {**one, **of_file, **of_arrays, "title": title or None})
     else:
-        _refuse_given("of arrays `names` and `step` say it", of_file)
+        _refuse_given("arrays are no files; their `names` and `step` say it", of_file)
         setups = records if isinstance(records, Mapping) else {"record": {"values": records}}
         handle = _pinode.ModesHandle.from_setups(
             [_setup(str(name), setup, {**one, **of_arrays}) for name, setup in setups.items()],
@@ -362,8 +380,11 @@ def _of_data_file(
     free_decay: bool,
     columns: str | Sequence[str] | None,
     time: str | None,
+    scale: float | Mapping[str, float] | None,
     title: str,
+    **text: str | int | None,
 ) -> Any:
+    """Returns the modes of a data file. `text` is the form of a text file."""
     path = as_path("records", records)
     _refuse_given("channels of a data file have the names of its columns", {"names": names})
     _refuse_given("a data file has no loads (a case can name columns as loads)",
@@ -379,7 +400,18 @@ def _of_data_file(
         free_decay,
         options,
         title,
+        {key: str(value) for key, value in text.items() if value is not None},
+        *_factors(scale),
     )
+
+
+def _factors(scale: float | Mapping[str, float] | None) -> tuple[dict[str, float], float]:
+    """Returns the factors by column, and that of all other columns."""
+    if not isinstance(scale, Mapping):
+        return {}, 1.0 if scale is None else float(scale)
+    for name, factor in scale.items():
+        check_kind("identify_modes", f"scale[{name!r}]", factor, NUMBER)
+    return {str(name): float(factor) for name, factor in scale.items()}, 1.0
 
 
 def _of_case(records: Any, options: dict[str, Any]) -> Any:

@@ -165,6 +165,8 @@ FUNCTIONS = {
         records=FLOORS, step=STEP), {
         "records": "samples", "step": "positive", "fs": "positive",
         "sampling_rate_hz": "positive", "time": "samples", "columns": "list",
+        "time_unit": "text", "time_format": "text", "header_lines": "whole",
+        "delimiter": "text", "decimal": "text", "encoding": "text", "scale": "parameter",
         "names": "names", "quantity": "number", "loads": "array",
         "free_decay": "flag", "method": "text", "lowest_hz": "positive",
         "highest_hz": "positive", "block_rows": "whole", "max_order": "whole",

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import pickle
 import subprocess
 from pathlib import Path
@@ -167,6 +168,57 @@ def test_of_a_data_file(rows, sheet):
     mixed = pinode.identify_modes(sheet / "wind.csv", step=STEP,
                                   quantity=["acceleration", "acceleration", "velocity"])
     assert not np.allclose(mixed.shapes, arrays.shapes, atol=0.1)
+
+
+def test_of_text_of_an_unusual_form(rows, tmp_path):
+    arrays = pinode.identify_modes(rows, step=STEP)
+    lines = ["Messung|||", "Größe|a1|a2|a3"]
+    lines += ["|".join([f"{12 + i // 180000}h{i // 3000 % 60}m{i % 3000 * STEP:.2f}",
+                        *(f"{value:.9g}" for value in row)]).replace(".", ",")
+              for i, row in enumerate(rows)]
+    path = tmp_path / "form.csv"
+    path.write_bytes("\n".join(lines).encode("UTF-16-LE"))
+    form = dict(columns=["a1", "a2", "a3"], time="Größe", encoding="UTF-16LE", header_lines=2,
+                delimiter="|", decimal=",", time_format="%Hh%Mm%S,%f")
+    found = pinode.identify_modes(path, **form)
+    assert found.frequencies_hz == pytest.approx(arrays.frequencies_hz, rel=1e-4)
+    with pytest.raises(pinode.Error, match="time_format"):
+        pinode.identify_modes(path, **{**form, "time_format": None})
+    for given, sentence in (
+            ({"header_lines": -3}, "header_lines: '-3', expected a number of lines"),
+            ({"delimiter": "x"}, "delimiter: 'x', expected one of"),
+            ({"decimal": "|"}, "decimal: '|', expected"),
+            ({"decimal": ",", "delimiter": ","}, "delimiter: it is the sign of `decimal` too"),
+            ({"encoding": "no such"}, "encoding 'no such' is not known"),
+            ({"time_unit": "parsec"}, "time_unit: unit 'parsec' is not known"),
+            ({"encoding": 3}, "encoding is the number 3, expected a text")):
+        with pytest.raises(pinode.Error, match=re.escape(sentence)):
+            pinode.identify_modes(path, **{**form, **given})
+    with pytest.raises(pinode.Error, match="expected no encoding"):
+        pinode.identify_modes(rows, step=STEP, encoding="UTF-8")
+    with pytest.raises(pinode.Error, match="expected no decimal"):
+        pinode.identify_modes(pinode.read_case(CASE), decimal=",")
+
+
+def test_scales_of_a_data_file(rows, sheet):
+    scaled = rows * np.array([1.0, 2.0, 0.5])
+    arrays = pinode.identify_modes(scaled, step=STEP)
+    plain = pinode.identify_modes(rows, step=STEP)
+    wind = sheet / "wind.csv"
+    each = pinode.identify_modes(wind, step=STEP, scale={"a2": 2, "a3": 0.5})
+    assert np.allclose(each.shapes, arrays.shapes, atol=1e-6)
+    assert not np.allclose(each.shapes, plain.shapes, atol=0.05)
+    same = pinode.identify_modes(wind, step=STEP, scale=-3.0)
+    assert np.allclose(same.shapes, plain.shapes, atol=1e-6)
+    for scale, sentence in (({"a9": 2.0}, "scale: no channel 'a9'"),
+                            ({"a1": 0.0}, "scale: a factor is 0 or not finite"),
+                            (float("nan"), "scale: a factor is 0 or not finite"),
+                            ({"a1": "2"}, "scale['a1'] is the text '2', expected a number"),
+                            ("2", "scale is the text '2', expected a number or a dictionary")):
+        with pytest.raises(pinode.Error, match=re.escape(sentence)):
+            pinode.identify_modes(wind, step=STEP, scale=scale)
+    with pytest.raises(pinode.Error, match="expected no scale"):
+        pinode.identify_modes(rows, step=STEP, scale=2.0)
 
 
 def test_quantities_as_channels_have_them(rows, sheet):
