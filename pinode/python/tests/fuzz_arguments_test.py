@@ -289,7 +289,7 @@ FUNCTIONS = {
 INSTEAD = {"fs": "step", "sampling_rate_hz": "step", "time": "step"}
 # Tables, headers and keys of case files.
 FILE_WORDS = re.compile(r"\[\[|\[(?:model|options|units|modes|damage|plan)\]|\.toml|\w = [\[{'\"]"
-                        r"|<\w+[.\[]|case file|header")
+                        r"|<\w+[.\[]|case file|\bheader\b")
 
 
 def fit():
