@@ -138,6 +138,12 @@ TEST(LoggerFilesTest, ScaleOfAChannel) {
   // The two factors agree with the file.
   EXPECT_THAT(record.description.remarks,
               Not(Contains(HasSubstr("the file says"))));
+  // So do equal units, whose scale corrects the sensor.
+  const Case corrected = ReadOrFail(folder.Write(
+      "case.toml", Replaced(text, "unit = \"mg\"\n  scale = 1000\n",
+                            "unit = \"g\"\n  scale = 1.02\n")));
+  EXPECT_THAT(corrected.problem.records[0].description.remarks,
+              Not(Contains(HasSubstr("the file says"))));
   Case bad;
   std::string error;
   EXPECT_FALSE(ReadCase(

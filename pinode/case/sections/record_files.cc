@@ -257,7 +257,8 @@ void RecordFiles::CompareUnits(const SignalSection& signal,
       dimension == signal.dimension &&
       UnitFactor(stated, dimension, units_, &in_file, &error) &&
       UnitFactor(signal.unit, dimension, units_, &in_case, &error) &&
-      std::abs(in_file / std::abs(in_case * signal.scale) - 1.0) < 1e-9;
+      (std::abs(in_file / in_case - 1.0) < 1e-9 ||
+       std::abs(in_file / std::abs(in_case * signal.scale) - 1.0) < 1e-9);
   // The scale of a voltage is the sensitivity of its sensor.
   const bool is_sensitivity = dimension == Dimension::kVoltage &&
                               dimension != signal.dimension &&
