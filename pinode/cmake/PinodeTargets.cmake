@@ -7,6 +7,13 @@
 # their own, pinode_<folder>_slow_test, labelled `slow`, which the sanitizer run
 # leaves out (PINODE_BUILD_SLOW_TESTS). APART: pinode::pinode does not link it.
 #
+# pinode_add_part(<folder> <part> SOURCES ... [PUBLIC ...] [PRIVATE ...])
+#
+# A static library pinode_<folder>_<part> of sources that the main job does not
+# need. It links pinode_<folder>, which does not link it. Programs of the main job
+# are built without it. Call this before pinode_add_floor, whose tests link the
+# parts of their folder.
+#
 # pinode_install_package() adds the umbrella target pinode::pinode, on request
 # the shared library pinode::shared of the same objects, and everything that
 # find_package(pinode) needs.
@@ -148,15 +155,13 @@ function(pinode_install_headers folder)
   endforeach()
 endfunction()
 
-# PUBLIC_HEADERS are installed, all others are for the library itself. A public
-# header includes public ones only (tests/consumer).
-function(pinode_add_floor folder)
-  cmake_parse_arguments(FLOOR "APART" ""
-    "PUBLIC_HEADERS;SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE" ${ARGN})
-  set(target pinode_${folder})
-  add_library(${target} STATIC ${FLOOR_SOURCES})
-  add_library(pinode::${folder} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder})
+# The library of a floor or of its part, pinode_${name}.
+function(pinode_add_layer_library name)
+  cmake_parse_arguments(LAYER "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target pinode_${name})
+  add_library(${target} STATIC ${LAYER_SOURCES})
+  add_library(pinode::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -170,7 +175,7 @@ function(pinode_add_floor folder)
     target_compile_definitions(${target} PUBLIC ${PINODE_ALIGNMENT})
   endif()
   target_compile_features(${target} PUBLIC cxx_std_17)
-  target_link_libraries(${target} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
+  target_link_libraries(${target} PUBLIC ${LAYER_PUBLIC} PRIVATE ${LAYER_PRIVATE})
   pinode_private_flags(${target})
   if(PINODE_UNITY_LIBRARY)
     pinode_unity_build(${target})
@@ -178,20 +183,41 @@ function(pinode_add_floor folder)
   if(PINODE_PRECOMPILE)
     pinode_precompile(${target})
   endif()
+  install(TARGETS ${target} EXPORT pinodeTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+endfunction()
+
+function(pinode_add_part folder part)
+  cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  pinode_add_layer_library(${folder}_${part} SOURCES ${PART_SOURCES}
+    PUBLIC pinode_${folder} ${PART_PUBLIC} PRIVATE ${PART_PRIVATE})
+  set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS pinode_${folder}_${part})
+  set_property(GLOBAL APPEND PROPERTY PINODE_PARTS_${folder}
+    pinode_${folder}_${part})
+endfunction()
+
+# PUBLIC_HEADERS are installed, all others are for the library itself. A public
+# header includes public ones only (tests/consumer).
+function(pinode_add_floor folder)
+  cmake_parse_arguments(FLOOR "APART" ""
+    "PUBLIC_HEADERS;SOURCES;TESTS;SLOW_TESTS;PUBLIC;PRIVATE" ${ARGN})
+  set(target pinode_${folder})
+  pinode_add_layer_library(${folder} SOURCES ${FLOOR_SOURCES}
+    PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE})
   if(NOT FLOOR_APART)
     set_property(GLOBAL APPEND PROPERTY PINODE_FLOORS ${target})
   endif()
-  install(TARGETS ${target} EXPORT pinodeTargets
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   pinode_install_headers(${folder} ${FLOOR_PUBLIC_HEADERS})
+  get_property(parts GLOBAL PROPERTY PINODE_PARTS_${folder})
+  set(tested "${parts};${target};${FLOOR_PRIVATE}")
   if(PINODE_BUILD_TESTS AND FLOOR_TESTS)
     # Not the bare name: `study` is the label of what is run by hand.
     pinode_add_unit_test(${target}_test ${folder} floor_${folder}
-      "${target};${FLOOR_PRIVATE}" ${FLOOR_TESTS})
+      "${tested}" ${FLOOR_TESTS})
   endif()
   if(PINODE_BUILD_TESTS AND PINODE_BUILD_SLOW_TESTS AND FLOOR_SLOW_TESTS)
     pinode_add_unit_test(${target}_slow_test ${folder} slow
-      "${target};${FLOOR_PRIVATE}" ${FLOOR_SLOW_TESTS})
+      "${tested}" ${FLOOR_SLOW_TESTS})
   endif()
 endfunction()
 
