@@ -69,6 +69,27 @@ function(pinode_precompile target)
   endif()
 endfunction()
 
+# Headers that most unit tests share, parsed once for all of them. Their flags are
+# those of the tests, so the library's are parsed again.
+function(pinode_precompile_test target)
+  if(NOT TARGET pinode_test_headers)
+    set(folder ${PROJECT_SOURCE_DIR}/tests/support)
+    add_library(pinode_test_headers STATIC ${folder}/precompiled.cc)
+    target_link_libraries(pinode_test_headers PRIVATE pinode_base GTest::gmock)
+    target_compile_definitions(pinode_test_headers PRIVATE
+      PINODE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    pinode_private_flags(pinode_test_headers)
+    # As programs are compiled.
+    set_target_properties(pinode_test_headers PROPERTIES
+      POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(pinode_test_headers PRIVATE
+      ${CMAKE_CXX_COMPILE_OPTIONS_PIE} ${PINODE_TEST_FLAGS})
+    target_precompile_headers(pinode_test_headers PRIVATE
+      ${folder}/precompiled.inc)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM pinode_test_headers)
+endfunction()
+
 # Compiles what only programs link as the library's sources are. A shared
 # library does not show the parts of Eigen that the precompiled headers declare.
 function(pinode_program_build target)
@@ -111,6 +132,9 @@ function(pinode_add_unit_test name folder label libraries)
   if(PINODE_UNITY_TESTS)
     # Names of tests are the same more often than those of the library.
     pinode_unity_build(${name} 8)
+  endif()
+  if(PINODE_PRECOMPILE)
+    pinode_precompile_test(${name})
   endif()
   # The long ones start first.
   set(cost 0)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <muParser.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>

@@ -1,5 +1,6 @@
 #include "pinode/watch/watch_message.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "gmock/gmock.h"

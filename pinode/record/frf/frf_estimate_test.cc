@@ -2,6 +2,7 @@
 
 #include "pinode/record/frf/frf_estimate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>

@@ -1,5 +1,6 @@
 #include "pinode/record/frf/frf_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <string_view>

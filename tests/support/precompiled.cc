@@ -1,0 +1,1 @@
+// The source of the target that precompiles the headers of the unit tests.
