@@ -140,8 +140,10 @@ class Scores {
     if (!found.empty()) {
       const Eigen::LLT<Matrix> llt(Matrix(information(found, found)));
       const Matrix coupling = information(rest_, found);
-      conditional -= coupling * llt.solve(coupling.transpose());
-      score -= coupling * llt.solve(Vector(right(found)));
+      const Matrix by_found = llt.solve(coupling.transpose());
+      const Vector shift = llt.solve(Vector(right(found)));
+      conditional -= coupling * by_found;
+      score -= coupling * shift;
     }
     const Vector scale = conditional.diagonal().cwiseSqrt();
     correlation_ = scale.cwiseInverse().asDiagonal() * conditional *

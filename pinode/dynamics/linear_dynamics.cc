@@ -99,7 +99,7 @@ bool LinearDynamics::Prepare(const Vector& theta, LinearSystem* system,
   // Scaling gives the roots of the same numbers in any unit of mass.
   const double unit =
       n > 0 ? PowerOfTwoBelow(system->mass.diagonal().maxCoeff()) : 1.0;
-  const Eigen::LLT<Matrix> factor(system->mass / unit);
+  const Eigen::LLT<Matrix> factor(Matrix(system->mass / unit));
   if (!system->mass.allFinite() || factor.info() != Eigen::Success) {
     *error = "the corrected mass matrix is not positive definite";
     return false;

@@ -22,9 +22,10 @@ Matrix FeatureRows(const std::vector<Feature>& features, int num_dofs,
 // Returns true if every row of `matrix` is a combination of `rows`.
 bool Spans(const Matrix& rows, const Matrix& matrix) {
   if (rows.rows() == 0) return false;
-  const Matrix solution =
-      rows.transpose().colPivHouseholderQr().solve(matrix.transpose());
-  const Matrix residual = rows.transpose() * solution - matrix.transpose();
+  const Matrix columns = rows.transpose();
+  const Matrix wanted = matrix.transpose();
+  const Matrix solution = columns.colPivHouseholderQr().solve(wanted);
+  const Matrix residual = columns * solution - wanted;
   return residual.norm() <= 1e-9 * matrix.norm();
 }
 

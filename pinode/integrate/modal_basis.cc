@@ -87,8 +87,8 @@ std::shared_ptr<const ModalBasis::Spectrum> Decompose(
     const Matrix& state_matrix) {
   const Eigen::Index ns = state_matrix.rows();
   const Vector units = VelocityUnits(state_matrix);
-  const Eigen::EigenSolver<Matrix> solver(units.asDiagonal() * state_matrix *
-                                          units.cwiseInverse().asDiagonal());
+  const Eigen::EigenSolver<Matrix> solver(Matrix(
+      units.asDiagonal() * state_matrix * units.cwiseInverse().asDiagonal()));
   if (solver.info() != Eigen::Success) return nullptr;
   auto result = std::make_shared<ModalBasis::Spectrum>();
   result->eigenvalues = solver.eigenvalues();

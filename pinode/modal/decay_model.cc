@@ -103,7 +103,7 @@ DecayFit DecayModel::Solve(const std::vector<DecayTerm>& terms) const {
   fit.basis.col(width - 1) = row_weights_;
   const Vector sizes = fit.basis.colwise().norm().transpose().cwiseMax(1e-300);
   const Eigen::ColPivHouseholderQR<Matrix> qr(
-      fit.basis * sizes.cwiseInverse().asDiagonal());
+      Matrix(fit.basis * sizes.cwiseInverse().asDiagonal()));
   fit.q = qr.householderQ() * Matrix::Identity(num_samples(), qr.rank());
   fit.amplitudes = sizes.cwiseInverse().asDiagonal() * qr.solve(samples_);
   fit.residuals = samples_ - fit.q * (fit.q.transpose() * samples_);
@@ -286,7 +286,7 @@ DecayModel::Influences DecayModel::FindInfluences(
   const Eigen::CompleteOrthogonalDecomposition<Matrix> solver(scaled);
   const Vector sizes = fit.basis.colwise().norm().transpose().cwiseMax(1e-300);
   const Eigen::ColPivHouseholderQR<Matrix> qr(
-      fit.basis * sizes.cwiseInverse().asDiagonal());
+      Matrix(fit.basis * sizes.cwiseInverse().asDiagonal()));
   const size_t terms = fit.terms.size();
   Influences influences;
   influences.s.resize(static_cast<Eigen::Index>(terms), count);

@@ -54,7 +54,7 @@ Orthonormal Orthonormalise(const Matrix& columns, const Matrix& data) {
   const Eigen::Index width = columns.cols();
   const Vector sizes =
       columns.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::HouseholderQR<Matrix> tall(columns * sizes.asDiagonal());
+  const Eigen::HouseholderQR<Matrix> tall(Matrix(columns * sizes.asDiagonal()));
   Orthonormal result;
   result.triangle =
       tall.matrixQR().topRows(width).triangularView<Eigen::Upper>();
@@ -395,7 +395,7 @@ ForcedModel::Gain ForcedModel::GainOf(const ForcedFit& fit, size_t m) const {
     if (columns.cols() == 0) return Eigen::Index{0};
     const Vector sizes =
         columns.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-    Eigen::ColPivHouseholderQR<Matrix> qr(columns * sizes.asDiagonal());
+    Eigen::ColPivHouseholderQR<Matrix> qr(Matrix(columns * sizes.asDiagonal()));
     qr.setThreshold(kSmallestColumn);
     const Matrix q =
         qr.householderQ() * Matrix::Identity(columns.rows(), qr.rank());

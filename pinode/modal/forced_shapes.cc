@@ -57,7 +57,7 @@ ComplexVector FindParticipation(const Matrix& gain, const Matrix& t) {
   free.compute(gain);
   Eigen::Index strongest = 0;
   t.colwise().squaredNorm().maxCoeff(&strongest);
-  ComplexVector participation = Paired(free.solve(t.col(strongest)));
+  ComplexVector participation = Paired(free.solve(Vector(t.col(strongest))));
   const Eigen::Index own = gain.cols();
   for (int iteration = 0; iteration < kShapeIterations; ++iteration) {
     const double size = participation.norm();
@@ -85,7 +85,8 @@ ComplexVector FindParticipation(const Matrix& gain, const Matrix& t) {
 Matrix OrthonormalPart(const Matrix& columns, const Vector& sizes) {
   const Eigen::Index most = std::min(columns.rows(), columns.cols());
   const Vector inverse = sizes.cwiseMax(1e-300).cwiseInverse();
-  const Eigen::ColPivHouseholderQR<Matrix> qr(columns * inverse.asDiagonal());
+  const Eigen::ColPivHouseholderQR<Matrix> qr(
+      Matrix(columns * inverse.asDiagonal()));
   Eigen::Index rank = 0;
   while (rank < most &&
          std::abs(qr.matrixR()(rank, rank)) > kSmallestForcedPart) {
@@ -207,7 +208,7 @@ void SetInfluences(const Matrix& covariance, Eigen::Index degrees,
   const Vector scale =
       covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-      scale.asDiagonal() * covariance * scale.asDiagonal());
+      Matrix(scale.asDiagonal() * covariance * scale.asDiagonal()));
   const Eigen::Index own = covariance.cols();
   const Eigen::Index count = std::max(degrees, own + 1);
   const Matrix root =
@@ -294,11 +295,12 @@ std::vector<SubspacePole> EstimateForcedPoles(const ForcedModel& model,
   }
   const Vector scale =
       normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Matrix inverse = scale.asDiagonal() *
-                         Eigen::CompleteOrthogonalDecomposition<Matrix>(
-                             scale.asDiagonal() * normal * scale.asDiagonal())
-                             .pseudoInverse() *
-                         scale.asDiagonal();
+  const Matrix inverse =
+      scale.asDiagonal() *
+      Eigen::CompleteOrthogonalDecomposition<Matrix>(
+          Matrix(scale.asDiagonal() * normal * scale.asDiagonal()))
+          .pseudoInverse() *
+      scale.asDiagonal();
   Matrix to_poles = Matrix::Zero(2 * count, channels * width);
   for (Eigen::Index c = 0; c < channels; ++c) {
     to_poles.middleCols(c * width, moving) =

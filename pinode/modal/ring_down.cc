@@ -60,7 +60,8 @@ Matrix Residuals(const Matrix& samples, const Eigen::VectorXcd& eigenvalues) {
   const Matrix basis = DecayBasis(kept, count);
   const Eigen::ColPivHouseholderQR<Matrix> qr(basis);
   const Matrix data = samples.transpose();
-  const Matrix left = data - basis * qr.solve(data);
+  const Matrix amplitudes = qr.solve(data);
+  const Matrix left = data - basis * amplitudes;
   // The fitted amplitudes and eigenvalues have removed some of the noise.
   const double taken = static_cast<double>(qr.rank()) *
                        (1.0 + 1.0 / static_cast<double>(samples.rows()));

@@ -91,7 +91,7 @@ Spectra EstimateSpectra(const ResponseRecord& record,
         (static_cast<double>(size) * record.sampling_step);
     spectra.densities.col(f) = density.diagonal().real();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(
-        weights * density * weights, Eigen::EigenvaluesOnly);
+        Eigen::MatrixXcd(weights * density * weights), Eigen::EigenvaluesOnly);
     spectra.singular_values.col(f) =
         solver.eigenvalues().reverse().head(wanted);
   }

@@ -75,7 +75,7 @@ Decomposition Decompose(const HankelWindows& hankel, int max_order,
   d.s.head(svd.singularValues().size()) = svd.singularValues();
   const Eigen::Index shifted = h.rows() - d.channels;
   const Eigen::HouseholderQR<Matrix> qr(
-      d.u.topLeftCorner(shifted, d.max_order));
+      Matrix(d.u.topLeftCorner(shifted, d.max_order)));
   const Matrix q = qr.householderQ() * Matrix::Identity(shifted, d.max_order);
   d.r = qr.matrixQR().topRows(d.max_order).triangularView<Eigen::Upper>();
   d.q_later = q.transpose() * d.u.bottomRows(shifted);

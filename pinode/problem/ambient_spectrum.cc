@@ -80,7 +80,7 @@ Vector Taper(const Matrix& samples, Eigen::Index size, double beside) {
 
 // Returns L with L L^T = a a^T; `a` has at least as many columns as rows.
 Matrix LowerFactor(const Matrix& a) {
-  const Eigen::HouseholderQR<Matrix> qr(a.transpose());
+  const Eigen::HouseholderQR<Matrix> qr(Matrix(a.transpose()));
   return Matrix(qr.matrixQR().topRows(a.rows()).triangularView<Eigen::Upper>())
       .transpose();
 }
@@ -258,7 +258,8 @@ Vector LoadSpectrum::Moved(const Vector& unknowns, const Vector& step) const {
     const Matrix root = Root(unknowns, b);
     const Matrix half =
         root.triangularView<Eigen::Lower>().solve(Root(step, b));
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(half + half.transpose());
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
+        Matrix(half + half.transpose()));
     if (!half.allFinite() || eigen.info() != Eigen::Success) return unknowns;
     const Vector scale =
         (1.0 + eigen.eigenvalues().array()).max(kMostFall).sqrt();
@@ -275,8 +276,8 @@ double LoadSpectrum::LargestFall(const Vector& unknowns,
     const Matrix half =
         Root(unknowns, b).triangularView<Eigen::Lower>().solve(Root(step, b));
     if (!half.allFinite()) return kInfinity;
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(half + half.transpose(),
-                                                      Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
+        Matrix(half + half.transpose()), Eigen::EigenvaluesOnly);
     fall = std::max(fall, -eigen.eigenvalues()[0]);
   }
   return fall;

@@ -76,8 +76,8 @@ double MacWithSpan(const Matrix& basis, const Vector& vector) {
   const double norm = StableNorm(vector);
   if (norm == 0.0) return 0.0;
   const Vector unit = vector / norm;
-  const Vector left =
-      unit - basis * basis.completeOrthogonalDecomposition().solve(unit);
+  const Vector solution = basis.completeOrthogonalDecomposition().solve(unit);
+  const Vector left = unit - basis * solution;
   return std::clamp(1.0 - left.squaredNorm(), 0.0, 1.0);
 }
 

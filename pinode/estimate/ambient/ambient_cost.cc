@@ -52,8 +52,8 @@ AmbientCost::InformationLeft FindInformationLeft(const Matrix& information,
   // all would tell.
   const Vector scale = known.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
-      scale.cwiseInverse().asDiagonal() * known *
-      scale.cwiseInverse().asDiagonal());
+      Matrix(scale.cwiseInverse().asDiagonal() * known *
+             scale.cwiseInverse().asDiagonal()));
   const Vector& values = eigen.eigenvalues();
   const Eigen::Index seen = (values.array() > kNoInformation).count();
   if (seen == 0) return result;
@@ -61,8 +61,8 @@ AmbientCost::InformationLeft FindInformationLeft(const Matrix& information,
       scale.cwiseInverse().asDiagonal() * eigen.eigenvectors().rightCols(seen) *
       values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal();
   const Matrix part = basis.transpose() * left * basis;
-  const Eigen::SelfAdjointEigenSolver<Matrix> parts(0.5 *
-                                                    (part + part.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Matrix> parts(
+      Matrix(0.5 * (part + part.transpose())));
   result.most = std::clamp(parts.eigenvalues()[seen - 1], 0.0, 1.0);
   const Vector variances =
       parts.eigenvalues().cwiseMax(kNoInformation).cwiseInverse();

@@ -17,8 +17,8 @@ namespace {
   const Eigen::Index per_knot = spectrum.per_knot();
   // L^-1 I L^-T, I_0 = L L^T, a knot at a time.
   for (int b = 0; b < spectrum.num_knots(); ++b) {
-    const Eigen::LLT<Matrix> known(AmbientLoads::kPriorLines *
-                                   loads.MetricOfKnot(b));
+    const Eigen::LLT<Matrix> known(
+        Matrix(AmbientLoads::kPriorLines * loads.MetricOfKnot(b)));
     if (known.info() != Eigen::Success) return false;
     auto rows = information.middleRows(b * per_knot, per_knot);
     known.matrixL().solveInPlace(rows);

@@ -39,7 +39,10 @@ ComplexMatrix WithoutInputs(const ComplexMatrix& values,
     const Eigen::Index count = std::min(stretch, values.cols() - first);
     const ComplexMatrix u = inputs.middleCols(first, count).adjoint();
     auto y = rest.middleCols(first, count);
-    y -= (u * u.colPivHouseholderQr().solve(y.adjoint())).adjoint().eval();
+    const ComplexMatrix right = y.adjoint();
+    const ComplexMatrix solution = u.colPivHouseholderQr().solve(right);
+    const ComplexMatrix part = u * solution;
+    y -= part.adjoint();
   }
   return rest;
 }

@@ -406,8 +406,8 @@ bool InvertInformation(const Matrix& information, Matrix* inverse_root,
     scale[i] = information(i, i) > 0.0 ? std::sqrt(information(i, i)) : 1.0;
   }
   const Vector inverse_scale = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(
-      inverse_scale.asDiagonal() * information * inverse_scale.asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(
+      inverse_scale.asDiagonal() * information * inverse_scale.asDiagonal()));
   if (eigen.info() != Eigen::Success) return false;
   const double threshold = rounding * n * eigen.eigenvalues().maxCoeff();
   Vector inverse_values(n);

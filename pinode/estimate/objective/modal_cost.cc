@@ -185,8 +185,8 @@ void ModalCost::AddCloseSets() {
       Matrix root = Matrix::Identity(size, size);
       if (data_.form == ModalForm::kEigenvectorDifference &&
           mode.shape_covariance.size() > 0) {
-        const Eigen::LLT<Matrix> factor(mode.shape_covariance /
-                                        mode.shape_covariance.trace());
+        const Eigen::LLT<Matrix> factor(
+            Matrix(mode.shape_covariance / mode.shape_covariance.trace()));
         root = factor.matrixL().solve(root);
       }
       set.roots.push_back(std::move(root));

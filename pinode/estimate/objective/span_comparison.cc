@@ -48,7 +48,7 @@ bool SpanComparison::Compute(const UndampedModes& modes, std::string* error) {
   bool independent = true;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Matrix& root = roots_[static_cast<size_t>(i)];
-    const Eigen::ColPivHouseholderQR<Matrix> factor(root * span_);
+    const Eigen::ColPivHouseholderQR<Matrix> factor(Matrix(root * span_));
     coefficients_.col(i) = factor.solve(root * measured_.col(i));
     independent = independent && factor.rank() == count;
     unit.col(i) = StableUnit(coefficients_.col(i));
@@ -104,7 +104,8 @@ bool SpanComparison::Differentiate(const UndampedModes& modes,
     const Vector left = root * (measured_.col(i) - nearest_.col(i));
     const Vector right = (root * moved).transpose() * left -
                          weighted.transpose() * (root * (moved * a));
-    const Vector da = (weighted.transpose() * weighted).ldlt().solve(right);
+    const Matrix squares = weighted.transpose() * weighted;
+    const Vector da = squares.ldlt().solve(right);
     slopes->nearest.col(i) = moved * a + span_ * da;
     const double norm = StableNorm(a);
     const Vector direction = a / norm;

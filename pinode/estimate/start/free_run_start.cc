@@ -163,8 +163,8 @@ bool FindSteadyState(const IdentificationProblem& problem, int record,
     }
     smallest = size;
     after_smallest = period.end_state;
-    const Eigen::PartialPivLU<Matrix> lu(Matrix::Identity(ns, ns) -
-                                         period.end_sensitivity.leftCols(ns));
+    const Eigen::PartialPivLU<Matrix> lu(
+        Matrix(Matrix::Identity(ns, ns) - period.end_sensitivity.leftCols(ns)));
     const Vector next = *start + lu.solve(change);
     *start = next.allFinite() ? next : period.end_state;
   }

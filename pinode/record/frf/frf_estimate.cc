@@ -428,7 +428,7 @@ class FrfEstimation {
     all(count, count) = yy;
     const Vector inverse = scale.cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<ComplexMatrix> solver(
-        inverse.asDiagonal() * all * inverse.asDiagonal());
+        ComplexMatrix(inverse.asDiagonal() * all * inverse.asDiagonal()));
     // v^H z = 0 holds best for the vector of the smallest eigenvalue.
     const ComplexVector v = solver.eigenvectors().col(0);
     ComplexVector values(count);

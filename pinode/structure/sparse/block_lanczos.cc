@@ -134,7 +134,7 @@ class Iteration {
   void FindRitzPairs(const Matrix& rest) {
     const Matrix projected = projected_.topLeftCorner(used_, used_);
     const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-        0.5 * (projected + projected.transpose()));
+        Matrix(0.5 * (projected + projected.transpose())));
     rotation_ = solver.eigenvectors().rowwise().reverse();
     values_ = solver.eigenvalues().reverse();
     const Matrix metric = rest.transpose() * rest;

@@ -104,12 +104,14 @@ bool ConstraintShapes(const SparseMatrix& stiffness,
   // Translations and rotations are brought to one size.
   const Matrix flexibility = SymmetricPart(at_kept(flexible));
   const Vector scale = flexibility.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Matrix> solver(scale.asDiagonal() * flexibility *
-                                   scale.asDiagonal());
+  const Eigen::LDLT<Matrix> solver(
+      Matrix(scale.asDiagonal() * flexibility * scale.asDiagonal()));
   // Shapes that displace the kept DOFs like the columns of `rows`.
   const auto displaced = [&](const Matrix& rows) -> Matrix {
-    return flexible *
-           (scale.asDiagonal() * solver.solve(scale.asDiagonal() * rows));
+    const Matrix scaled = scale.asDiagonal() * rows;
+    Matrix forces = solver.solve(scaled);
+    forces = scale.asDiagonal() * forces;
+    return flexible * forces;
   };
   Matrix shapes = displaced(Matrix::Identity(m, m));
   // Each step takes away the rounding of the one before, which is large if the

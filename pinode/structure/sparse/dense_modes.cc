@@ -74,7 +74,7 @@ class Search {
     const Eigen::Index n = inverse.rows();
     const Matrix dense = inverse.Apply(Matrix::Identity(n, n));
     const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-        0.5 * (dense + dense.transpose()));
+        Matrix(0.5 * (dense + dense.transpose())));
     if (solver.info() != Eigen::Success) {
       *error = "the dense eigenvalue iteration did not converge";
       return false;

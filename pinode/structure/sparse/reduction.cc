@@ -214,7 +214,8 @@ int ClusterEnd(const Vector& eigenvalues, int first, int count) {
 // Returns the squared cosine between a shape and the space of some others. With
 // one shape it is the MAC.
 double MacOfSpace(const Vector& shape, const Matrix& space) {
-  const Vector nearest = space * space.householderQr().solve(shape);
+  const Vector coordinates = space.householderQr().solve(shape);
+  const Vector nearest = space * coordinates;
   return Mac(shape, nearest);
 }
 

@@ -54,7 +54,7 @@ bool RayleighRitz(const InverseOperator& inverse, const Matrix& basis,
   image = inverse.Apply(orthonormal);
   const Matrix projected = orthonormal.transpose() * image;
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-      0.5 * (projected + projected.transpose()));
+      Matrix(0.5 * (projected + projected.transpose())));
   if (solver.info() != Eigen::Success) {
     *error = "the eigenvalues of the projected model did not converge";
     return false;
@@ -282,7 +282,8 @@ class LowestModes {
     const Matrix forces = model_.ForcesOnHeld();
     const Matrix flexibility = forces.transpose() * factors.Solve(forces);
     const Eigen::SelfAdjointEigenSolver<Matrix> solver(
-        0.5 * (flexibility + flexibility.transpose()), Eigen::EigenvaluesOnly);
+        Matrix(0.5 * (flexibility + flexibility.transpose())),
+        Eigen::EigenvaluesOnly);
     *count += (solver.eigenvalues().array() > 0.0).count() -
               static_cast<Eigen::Index>(model_.held().size());
     return true;

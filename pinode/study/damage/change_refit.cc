@@ -95,8 +95,9 @@ double ChangeModel::DistanceOf(const Vector& at,
 Vector ChangeModel::BeforeOf(const ChangePosterior& posterior,
                              const std::vector<int>& changed) const {
   const Eigen::LLT<Matrix> prior(PriorOf(changed));
-  return values() +
-         covariance() * prior.solve(Vector(posterior.values - values()));
+  const Vector away = posterior.values - values();
+  const Vector weighed = prior.solve(away);
+  return values() + covariance() * weighed;
 }
 
 Vector ChangeModel::GainsOf(const ComparedCost& cost,
