@@ -49,7 +49,8 @@ bool SpanComparison::Compute(const UndampedModes& modes, std::string* error) {
   for (Eigen::Index i = 0; i < count; ++i) {
     const Matrix& root = roots_[static_cast<size_t>(i)];
     const Eigen::ColPivHouseholderQR<Matrix> factor(Matrix(root * span_));
-    coefficients_.col(i) = factor.solve(root * measured_.col(i));
+    const Vector wanted = root * measured_.col(i);
+    coefficients_.col(i) = Vector(factor.solve(wanted));
     independent = independent && factor.rank() == count;
     unit.col(i) = StableUnit(coefficients_.col(i));
   }
