@@ -33,4 +33,10 @@ bool IdentificationOptions::IsValid(std::string* error) const {
   return false;
 }
 
+bool IdentificationOptions::GivesIntervals(std::string* error) const {
+  if (covariance != Covariance::kNone) return true;
+  *error = "covariance is kNone, which gives no intervals";
+  return false;
+}
+
 }  // namespace pinode

@@ -73,8 +73,8 @@ struct IdentificationOptions {
   // - kSandwich: a sandwich estimate over blocks of samples, for autocorrelated
   //   residuals;
   // - kNone: no intervals. For fits of known noise that are only compared by
-  //   their cost: they end without the last exact steps, and have no scores of
-  //   hold-outs and of the initial model;
+  //   their cost: they end without the last exact steps, and the scores of
+  //   hold-outs and of the initial model are NaN. FitOnce alone takes it;
   // - kAuto: kSandwich if residuals are autocorrelated, else kPlain. If an
   // input
   //   has noise, its errors are unknowns of the fit (FitWithInputNoise). If
@@ -123,6 +123,8 @@ struct IdentificationOptions {
   // Checks sizes and signs. On failure returns false, and *error names the
   // option and the violated constraint.
   [[nodiscard]] bool IsValid(std::string* error) const;
+  // Returns false, with *error, if `covariance` is kNone.
+  [[nodiscard]] bool GivesIntervals(std::string* error) const;
 };
 
 }  // namespace pinode

@@ -147,6 +147,17 @@ Certainty MeasureCertainty(const IdentificationProblem& problem,
   return certainty;
 }
 
+// Scores of a record's channels that nobody simulated.
+std::vector<ChannelScore> NotScored(const IdentificationRecord& record) {
+  std::vector<ChannelScore> scores(record.channels.size());
+  for (size_t c = 0; c < scores.size(); ++c) {
+    scores[c].name = record.channels[c].observation.name;
+    scores[c].fitted = record.channels[c].fit;
+    scores[c].rmse = scores[c].nrmse = scores[c].prior_nrmse = kNaN;
+  }
+  return scores;
+}
+
 // Scores the simulations of all records, by the initial and the fitted model.
 void ScoreRecords(const IdentificationProblem& problem,
                   const IdentificationOptions& options,
@@ -163,7 +174,8 @@ void ScoreRecords(const IdentificationProblem& problem,
     Vector start;
     Eigen::Index first = 0;
     if (IsCostOnly(options)) {
-      prior.channels.resize(problem.records[r].channels.size());
+      prior.nrmse = kNaN;
+      prior.channels = NotScored(problem.records[r]);
     } else {
       first = FreeRunStart(problem, index, prior_parameters, sigmas, &start);
       ScoreRecord(problem, index, prior_parameters, start, first, &prior,
@@ -173,6 +185,8 @@ void ScoreRecords(const IdentificationProblem& problem,
       score.role = problem.records[r].role;
       score.name = problem.records[r].name;
       score.finite = true;
+      score.nrmse = score.prior_nrmse = kNaN;
+      score.channels = NotScored(problem.records[r]);
       summary->records.push_back(std::move(score));
       model->starts.push_back(start);
       continue;

@@ -476,6 +476,7 @@ bool CheckInput(const IdentificationProblem& problem,
                 const DamageAnalysisOptions& options, std::string* error) {
   if (!options.change.IsValid(error) ||
       !options.identification.IsValid(error) ||
+      !options.identification.GivesIntervals(error) ||
       !options.search.IsValid(problem.dynamics->model(), error)) {
     return false;
   }

@@ -204,6 +204,14 @@ TEST_F(AnalyseDamageTest, RefusesWhatDoesNotFitTogether) {
   options.search = {};
   options.search.masses = {{"roof", {}}};
   EXPECT_THAT(refusal(*damaged_, {good}, options), HasSubstr("'roof'"));
+  options = {};
+  options.identification.covariance = IdentificationOptions::Covariance::kNone;
+  EXPECT_THAT(refusal(*damaged_, {good}, options), HasSubstr("no intervals"));
+  const Identification none =
+      Identify(damaged_->problem, options.identification, {}, nullptr);
+  EXPECT_EQ(none.summary.termination, Termination::kFailure);
+  EXPECT_FALSE(none.summary.usable());
+  EXPECT_THAT(none.summary.message, HasSubstr("no intervals"));
 
   TestFit fit = *damaged_;
   fit.model.parameters.conservativeResize(2);

@@ -48,7 +48,7 @@ class MainJob {
 
   Identification Run() {
     std::string error;
-    if (!GoOn(&error)) {
+    if (!options_.GivesIntervals(&error) || !GoOn(&error)) {
       fit_.message = error;
       return Judged({});
     }

@@ -71,6 +71,7 @@ struct Identification {
 //
 // The function does not throw, and does not abort on bad data. For an invalid
 // problem, start or option, `summary` has Termination::kFailure and a message.
+// An option without intervals (Covariance::kNone) is invalid here.
 Identification Identify(IdentificationProblem problem,
                         const IdentificationOptions& options = {},
                         const IdentificationExtras& extras = {},
