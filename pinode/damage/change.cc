@@ -283,24 +283,28 @@ Vector BetweenRecords(const Comparison& comparison) {
       comparison.healthy_value);
 }
 
-// Degrees of freedom of the differences. The variance between records comes
-// from few of them: those of its sum with the known covariance (F. E.
-// Satterthwaite, Biometrics Bull. 2 (1946) 110-114), for the group with the
-// fewest. Infinite if records do not differ.
-double DegreesOfFreedom(const Comparison& comparison, size_t num_baselines) {
+// Degrees of freedom of the differences of a comparison.
+double DegreesOf(const Comparison& comparison, size_t num_baselines) {
+  return DegreesOfFreedom(BetweenRecords(comparison).cwiseAbs2(),
+                          comparison.covariance.diagonal(), num_baselines);
+}
+
+}  // namespace
+
+// The variance between records comes from few of them: the degrees are those
+// of its sum with the known covariance (F. E. Satterthwaite, Biometrics Bull. 2
+// (1946) 110-114), for the group with the fewest.
+double DegreesOfFreedom(const Vector& between, const Vector& variances,
+                        size_t num_baselines) {
   const double baselines = static_cast<double>(num_baselines);
-  const Vector between = BetweenRecords(comparison);
   double degrees = std::numeric_limits<double>::infinity();
   for (Eigen::Index j = 0; j < between.size(); ++j) {
     if (!(between[j] > 0.0)) continue;
-    const double share = between[j] * between[j] * (1.0 + 1.0 / baselines) /
-                         comparison.covariance(j, j);
+    const double share = between[j] * (1.0 + 1.0 / baselines) / variances[j];
     degrees = std::min(degrees, (baselines - 1.0) / (share * share));
   }
   return degrees;
 }
-
-}  // namespace
 
 bool ChangeOptions::IsValid(std::string* error) const {
   if (!(threshold >= 0.0 && threshold < 1.0)) {
@@ -345,7 +349,7 @@ bool EstimateChange(const std::vector<GroupState>& healthy,
   const Vector& right = comparison.right;
   estimate->has_between_records = healthy.size() > 1;
   estimate->between_records = BetweenRecords(comparison);
-  const double degrees = DegreesOfFreedom(comparison, healthy.size());
+  const double degrees = DegreesOf(comparison, healthy.size());
 
   std::vector<int> found;
   Vector p_values = Vector::Ones(size);
@@ -493,7 +497,7 @@ bool FindChangeInstead(const std::vector<GroupState>& healthy,
   change.change = variance.row(0).dot(right(without));
   change.sigma = std::sqrt(variance(0, 0));
   const double quantile =
-      StudentQuantile(DegreesOfFreedom(comparison, healthy.size()));
+      StudentQuantile(DegreesOf(comparison, healthy.size()));
   change.lower95 = change.change - quantile * change.sigma;
   change.upper95 = change.change + quantile * change.sigma;
   change.probability =

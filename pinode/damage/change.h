@@ -3,6 +3,7 @@
 #ifndef PINODE_DAMAGE_CHANGE_H_
 #define PINODE_DAMAGE_CHANGE_H_
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -167,6 +168,12 @@ std::vector<bool> NearlyGone(const std::vector<GroupState>& healthy);
 // there is none, sizes differ, or a covariance is not positive definite.
 [[nodiscard]] bool PoolBaselines(const std::vector<GroupState>& healthy,
                                  PooledBaselines* pooled, std::string* error);
+
+// Returns the degrees of freedom of differences from baselines. `variances` are
+// those of the differences, `between` their parts between baselines (both in
+// the same units). Infinite if baselines do not differ.
+double DegreesOfFreedom(const Vector& between, const Vector& variances,
+                        size_t num_baselines);
 
 // Finds rivals of the changes in the groups `found`, by whichever method these
 // were found. A rival replaces one of these groups by another group. *rivals is

@@ -195,10 +195,12 @@ class Analyst {
     MissedMotion missed = Missed(states, is_open);
     if (IsOfModes(problem_)) LookForMass(states.healthy, &missed);
     std::vector<MassesInstead> masses;
-    if (kinds && (!FindLossesInstead(*kinds_, options_, &subjects_,
-                                     &missed.loss_instead, error) ||
-                  !FindScaleInstead(*kinds_, options_, &subjects_,
-                                    &missed.loss_instead, &masses, error))) {
+    if (kinds &&
+        (!FindLossesInstead(*kinds_, options_, &subjects_, &missed.loss_instead,
+                            error) ||
+         !FindScaleInstead(
+             {kinds_->healthy(), kinds_->current(), kinds_->is_logarithm()},
+             options_, &subjects_, &missed.loss_instead, &masses, error))) {
       return false;
     }
     result_.judgement =

@@ -11,9 +11,6 @@
 namespace pinode {
 namespace {
 
-// Probability above which a loss is taken as certain, as in 95 % intervals.
-constexpr double kSure = 0.95;
-
 // Entries of dampings, which may change beside a mass or a stiffness.
 std::vector<int> DampingEntries(const ResultSubjects& all) {
   std::vector<int> entries;
@@ -59,13 +56,7 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
       const bool is_beyond = instead.change.lower95 < -options.threshold;
       if (!is_beyond || !(instead.loss < options.rival_loss)) continue;
       GroupChange& own = estimate.groups[j];
-      if (own.changed &&
-          std::min(own.probability, instead.change.probability) > kSure) {
-        // Lost either way, by one size or the other.
-        own.lower95 = std::min(own.lower95, instead.change.lower95);
-        own.upper95 = std::max(own.upper95, instead.change.upper95);
-        continue;
-      }
+      if (IsLostEitherWay(instead.change, &own)) continue;
       (*is_loss)[j] = true;
       instead.change.changed = own.changed;
       instead.change.p_value = own.p_value;
@@ -86,6 +77,18 @@ bool FindLossesInstead(const KindsSearch& kinds, const ChangeOptions& options,
                    [](const RivalChange& a, const RivalChange& b) {
                      return a.loss < b.loss;
                    });
+  return true;
+}
+
+bool IsLostEitherWay(const GroupChange& instead, GroupChange* own) {
+  // Probability above which a loss is taken as certain, as in 95 % intervals.
+  constexpr double kSure = 0.95;
+  if (!own->changed ||
+      !(std::min(own->probability, instead.probability) > kSure)) {
+    return false;
+  }
+  own->lower95 = std::min(own->lower95, instead.lower95);
+  own->upper95 = std::max(own->upper95, instead.upper95);
   return true;
 }
 

@@ -31,6 +31,10 @@ namespace pinode {
                                      std::vector<bool>* is_loss,
                                      std::string* error);
 
+// True if a group that was found is lost either way, to 95 %: by *own, or by
+// `instead` without the masses. The interval of *own then holds both sizes.
+bool IsLostEitherWay(const GroupChange& instead, GroupChange* own);
+
 }  // namespace pinode
 
 #endif  // PINODE_STUDY_DAMAGE_LOSS_INSTEAD_H_

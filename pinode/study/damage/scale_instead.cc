@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/study/damage/loss_instead.h"
 #include "pinode/study/damage/wide_state.h"
 
 namespace pinode {
@@ -210,11 +212,12 @@ void FindLossOfAll(const ChangeSets& sets, const EntriesByKind& all,
     GroupChange change;
     change.change = without.sizes[i];
     change.sigma = std::sqrt(without.covariance(i, i));
-    change.lower95 = change.change - 1.96 * change.sigma;
-    change.upper95 = change.change + 1.96 * change.sigma;
+    change.lower95 = change.change - sets.quantile() * change.sigma;
+    change.upper95 = change.change + sets.quantile() * change.sigma;
     FromLogarithm(options.threshold, 1.0, &change);
     if (!(change.lower95 < -options.threshold)) continue;
     GroupChange& own = subjects->mutable_estimate()->groups[j];
+    if (!(*is_loss)[j] && IsLostEitherWay(change, &own)) continue;
     change.changed = own.changed;
     change.p_value = own.p_value;
     own = change;
@@ -230,6 +233,9 @@ ChangeSets::ChangeSets(const PooledBaselines& expected,
   information_ = covariance.llt().solve(
       Matrix::Identity(covariance.rows(), covariance.cols()));
   right_ = information_ * (current.values - expected.state.values);
+  quantile_ = StudentQuantile(
+      DegreesOfFreedom(expected.between, covariance.diagonal(),
+                       static_cast<size_t>(expected.num_baselines)));
 }
 
 ChangeSets::Fit ChangeSets::FitOf(const Matrix& directions) const {
@@ -249,13 +255,14 @@ ChangeSets::Fit ChangeSets::FitOf(const Matrix& directions) const {
   return fit;
 }
 
-bool FindScaleInstead(const KindsSearch& kinds, const ChangeOptions& options,
-                      ResultSubjects* subjects, std::vector<bool>* is_loss,
+bool FindScaleInstead(const ComparedStates& states,
+                      const ChangeOptions& options, ResultSubjects* subjects,
+                      std::vector<bool>* is_loss,
                       std::vector<MassesInstead>* masses, std::string* error) {
   PooledBaselines pooled;
-  if (!PoolBaselines(kinds.healthy(), &pooled, error)) return false;
-  const ChangeSets sets(pooled, kinds.current());
-  const EntriesByKind all = SortEntries(*subjects, kinds.is_logarithm());
+  if (!PoolBaselines(states.healthy, &pooled, error)) return false;
+  const ChangeSets sets(pooled, states.current);
+  const EntriesByKind all = SortEntries(*subjects, states.is_logarithm);
   is_loss->resize(subjects->subjects().size(), false);
   *masses = MassesForLosses(sets, all, options, *subjects);
   for (const MassesInstead& instead : *masses) {

@@ -9,7 +9,6 @@
 
 #include "pinode/base/types.h"
 #include "pinode/damage/change.h"
-#include "pinode/study/damage/kinds_search.h"
 #include "pinode/study/damage/result_subjects.h"
 
 namespace pinode {
@@ -33,12 +32,24 @@ class ChangeSets {
   ChangeSets(const PooledBaselines& expected, const GroupState& current);
 
   Eigen::Index size() const { return right_.size(); }
+  // Half width of a 95 % interval in standard deviations, by the differences
+  // between the baselines.
+  double quantile() const { return quantile_; }
   // Fits the sizes of `directions`, size() x at least 1, linearly independent.
   Fit FitOf(const Matrix& directions) const;
 
  private:
   Matrix information_;
   Vector right_;
+  double quantile_ = 0.0;
+};
+
+// Groups and all candidates in the healthy states and the current one, and the
+// flags of their entries, see ToLogarithms.
+struct ComparedStates {
+  const std::vector<GroupState>& healthy;
+  const GroupState& current;
+  const std::vector<bool>& is_logarithm;
 };
 
 // Losses of stiffness and what may stand for them.
@@ -49,8 +60,8 @@ struct MassesInstead {
   double log_odds = 0.0;
 };
 
-// Looks for changes that have the same effect as those that `kinds` has found
-// in *subjects. A free decay and a response to ground motion know stiffness and
+// Looks for changes that have the same effect as those that were found in
+// *subjects. A free decay and a response to ground motion know stiffness and
 // damping over mass alone. One loss of 17 % is then the same as a mass and a
 // damper of +20 % each. A set counts as the same if it loses less than
 // options.rival_loss of twice the log-likelihood.
@@ -64,10 +75,11 @@ struct MassesInstead {
 // Losses for masses: a loss of all stiffness in place of several masses, with
 // all damping free in both, if there are no more groups than masses. Groups
 // that may have lost more than options.threshold get a flag, and the change
-// that they have without the masses. FindLossesInstead does it for one mass.
+// that they have without the masses. One that was found and is lost either way
+// gets none (IsLostEitherWay). FindLossesInstead does it for one mass.
 //
 // Returns false, with *error, if the states cannot be compared.
-[[nodiscard]] bool FindScaleInstead(const KindsSearch& kinds,
+[[nodiscard]] bool FindScaleInstead(const ComparedStates& states,
                                     const ChangeOptions& options,
                                     ResultSubjects* subjects,
                                     std::vector<bool>* is_loss,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,163 @@ TEST(ChangeSets, EvidenceIsThatOfNormalDifferences) {
   EXPECT_NEAR(ChangeSets(expected, current).FitOf(directions).log_evidence,
               log_density(with) - log_density(without) - 2.0 * std::log(3.0),
               1e-10);
+}
+
+// Differences of states that know all entries over the first mass alone, and of
+// that mass a prior of deviation 1. Candidates follow the groups.
+class ScaleInsteadTest : public ::testing::Test {
+ protected:
+  static constexpr double kDeviation = 0.002;
+
+  void Add(const std::string& name, ChangeKind kind, double difference,
+           bool is_group, const std::string& place = "") {
+    ChangeSubject subject;
+    subject.name = name;
+    subject.kind = kind;
+    subject.place = place;
+    if (is_group) {
+      subjects_.push_back(subject);
+      estimate_.groups.emplace_back();
+    } else {
+      candidates_.emplace_back();
+      candidates_.back().subject = subject;
+    }
+    kinds_.push_back(subject);
+    differences_.push_back(difference);
+    is_logarithm_.push_back(is_group || kind != ChangeKind::kDamping);
+  }
+  void AddGroups(const std::vector<std::string>& names,
+                 const std::vector<double>& differences) {
+    for (size_t j = 0; j < names.size(); ++j) {
+      Add(names[j],
+          names[j][0] == 'k'   ? ChangeKind::kStiffness
+          : names[j][0] == 'c' ? ChangeKind::kDamping
+                               : ChangeKind::kMass,
+          differences[j], true);
+    }
+    all_.emplace(names.size(), &candidates_, &subjects_, &estimate_);
+  }
+  void AddMasses(int count) {
+    for (int i = 1; i <= count; ++i) {
+      const std::string place = "w" + std::to_string(i);
+      Add("mass." + place, ChangeKind::kMass, 0.0, false, place);
+    }
+  }
+
+  // What was found, as fractions.
+  void Found(int entry, double change) {
+    const auto j = static_cast<size_t>(all_->SubjectOf(entry));
+    GroupChange& found = estimate_.groups[j];
+    found.changed = true;
+    found.change = change;
+    found.sigma = kDeviation;
+    found.lower95 = change - 2.0 * kDeviation;
+    found.upper95 = change + 2.0 * kDeviation;
+    found.probability = change < -0.05 ? 1.0 : 0.0;
+  }
+
+  Matrix Covariance() const {
+    const auto size = static_cast<Eigen::Index>(kinds_.size());
+    Vector first_mass = Vector::Zero(size);
+    Vector own = Vector::Zero(size);
+    bool has_mass = false;
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const ChangeSubject& subject = kinds_[static_cast<size_t>(j)];
+      // A mass group is all masses, and a candidate at w1 the first.
+      if (subject.kind == ChangeKind::kMass &&
+          (subject.place.empty() || subject.place == "w1")) {
+        first_mass[j] = 1.0;
+      } else {
+        own[j] = 1.0;
+      }
+      has_mass = has_mass || first_mass[j] > 0.0;
+    }
+    EXPECT_TRUE(has_mass);
+    Matrix information = Matrix::Identity(size, size);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      if (!(own[j] > 0.0)) continue;
+      Vector row = Vector::Unit(size, j) - first_mass;
+      for (Eigen::Index m = 0; m < size; ++m) {
+        const ChangeSubject& mass = kinds_[static_cast<size_t>(m)];
+        // Both masses are multiples of the group.
+        if (kinds_[static_cast<size_t>(j)].kind == ChangeKind::kMass &&
+            mass.kind == ChangeKind::kMass && mass.place.empty()) {
+          row[m] = 0.0;
+        }
+      }
+      information += row * row.transpose() / (kDeviation * kDeviation);
+    }
+    return information.llt().solve(Matrix::Identity(size, size));
+  }
+
+  // Runs the search; baselines differ by `between` in the first damping.
+  void Run(double between = 0.0) {
+    const Matrix half = 0.5 * Covariance();
+    GroupState expected, current;
+    expected.values = Vector::Zero(half.rows());
+    expected.covariance = current.covariance = half;
+    current.values = Eigen::Map<const Vector>(
+        differences_.data(), static_cast<Eigen::Index>(differences_.size()));
+    std::vector<GroupState> healthy = {expected};
+    if (between > 0.0) {
+      healthy.push_back(expected);
+      for (size_t j = 0; j < kinds_.size(); ++j) {
+        if (kinds_[j].kind != ChangeKind::kDamping) continue;
+        healthy[0].values[static_cast<Eigen::Index>(j)] = between;
+        healthy[1].values[static_cast<Eigen::Index>(j)] = -between;
+        break;
+      }
+    }
+    std::string error;
+    ASSERT_TRUE(FindScaleInstead({healthy, current, is_logarithm_}, {}, &*all_,
+                                 &is_loss_, &masses_, &error))
+        << error;
+  }
+
+  std::vector<ChangeSubject> kinds_, subjects_;
+  std::vector<ChangeCandidate> candidates_;
+  std::vector<double> differences_;
+  std::vector<bool> is_logarithm_, is_loss_;
+  ChangeEstimate estimate_;
+  std::optional<ResultSubjects> all_;
+  std::vector<MassesInstead> masses_;
+};
+
+// One of two springs is lost with the two masses that were found and without
+// them.
+TEST_F(ScaleInsteadTest, ALossEitherWayStaysALoss) {
+  AddGroups({"k1", "k2", "c"}, {std::log(0.7), 0.0, 0.0});
+  AddMasses(2);
+  differences_[3] = differences_[4] = std::log(1.2);
+  Found(0, -0.3);
+  Found(3, 0.2);
+  Found(4, 0.2);
+  Run();
+  ASSERT_GE(is_loss_.size(), 2u);
+  EXPECT_FALSE(is_loss_[0]);
+  EXPECT_TRUE(is_loss_[1]);
+  EXPECT_EQ(estimate_.groups[0].change, -0.3);
+  EXPECT_LT(estimate_.groups[0].lower95, 0.7 / 1.2 - 1.0);
+  EXPECT_GT(estimate_.groups[0].upper95, -0.3);
+  EXPECT_NEAR(estimate_.groups[1].change, 1.0 / 1.2 - 1.0, 0.005);
+}
+
+// Two baselines do not show well how much records differ.
+TEST_F(ScaleInsteadTest, IntervalsAllowForFewBaselines) {
+  AddGroups({"k1", "k2", "c"}, {0.0, 0.0, 0.0});
+  AddMasses(2);
+  differences_[3] = differences_[4] = std::log(1.2);
+  const auto quantile = [this](double between) {
+    Found(3, 0.2);
+    Found(4, 0.2);
+    Run(between);
+    const GroupChange& k1 = estimate_.groups[0];
+    EXPECT_TRUE(is_loss_[0]);
+    return (std::log1p(k1.upper95) - std::log1p(k1.change)) *
+           (1.0 + k1.change) / k1.sigma;
+  };
+  EXPECT_NEAR(quantile(0.0), 1.96, 0.01);
+  EXPECT_GT(quantile(0.3), 2.3);
 }
 
 DamageResult AnalyseOrFail(const TestFit& healthy, const TestFit& fit,
