@@ -56,7 +56,7 @@ std::vector<ChangeCandidate> DampingCandidates(const StructuralModel& model) {
     candidate.matrix = damping;
     candidates.push_back(std::move(candidate));
   };
-  add("damping.all", "all modes", model.damping);
+  add("damping.all", kAllModes, model.damping);
   ModalProperties modes;
   std::string unused;
   if (!ComputeModes(model.mass, model.damping, model.stiffness, &modes,

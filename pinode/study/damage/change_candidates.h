@@ -14,6 +14,9 @@
 
 namespace pinode {
 
+// Place of the candidate that is one factor on all damping.
+inline constexpr char kAllModes[] = "all modes";
+
 // Returns candidates at the places of `search`, which is valid: masses, factors
 // on the damping, stiffness that is in no group, and four nonlinear forces per
 // spring,

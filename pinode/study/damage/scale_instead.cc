@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pinode/base/statistics.h"
 #include "pinode/base/strings.h"
@@ -19,12 +20,14 @@ double LogDeterminantOf(const Eigen::LLT<Matrix>& llt) {
   return 2.0 * Matrix(llt.matrixL()).diagonal().array().log().sum();
 }
 
-// All entries by their kind. Stiffness and masses are logarithms, and so is
-// damping: that of a candidate is near zero in both states.
+// All entries by their kind. Stiffness and masses are logarithms. Damping of
+// groups is too, that of candidates is near zero in both states and is none.
 struct EntriesByKind {
-  Entries stiffness, masses, damping;
-  // Those that make up all damping together.
-  Entries all_damping;
+  // Stiffness of groups, then that of springs in no group.
+  Entries stiffness;
+  Entries masses, damping;
+  // Those that make up all masses together, each once, and all damping.
+  Entries all_masses, all_damping;
 };
 
 const ChangeSubject& SubjectAt(const ResultSubjects& all, int entry) {
@@ -38,28 +41,36 @@ EntriesByKind SortEntries(const ResultSubjects& all,
                           const std::vector<bool>& is_logarithm) {
   EntriesByKind result;
   const int num_groups = static_cast<int>(all.num_groups());
-  int first_damping = -1;
+  Entries masses_of_groups, masses_of_candidates;
   for (int j = 0; j < static_cast<int>(is_logarithm.size()); ++j) {
     const bool is_log = is_logarithm[static_cast<size_t>(j)];
-    switch (SubjectAt(all, j).kind) {
+    const bool is_group = j < num_groups;
+    const ChangeSubject& subject = SubjectAt(all, j);
+    switch (subject.kind) {
       case ChangeKind::kStiffness:
-        if (is_log && j < num_groups) result.stiffness.push_back(j);
+        if (is_log) result.stiffness.push_back(j);
         break;
       case ChangeKind::kMass:
-        if (is_log) result.masses.push_back(j);
+        if (!is_log) break;
+        result.masses.push_back(j);
+        (is_group ? masses_of_groups : masses_of_candidates).push_back(j);
         break;
       case ChangeKind::kDamping:
-        if (j < num_groups && !is_log) break;
+        if (is_group && !is_log) break;
         result.damping.push_back(j);
-        if (j < num_groups) result.all_damping.push_back(j);
-        // The first candidate is one factor on all damping.
-        if (j >= num_groups && first_damping < 0) first_damping = j;
+        if (is_group) result.all_damping.push_back(j);
         break;
       case ChangeKind::kNonlinear:
         break;
     }
   }
-  if (first_damping >= 0) result.all_damping = {first_damping};
+  // One candidate is a factor on all damping; others are modes and dampers.
+  for (const int j : result.damping) {
+    if (SubjectAt(all, j).place == kAllModes) result.all_damping = {j};
+  }
+  // A group and a candidate may be the same mass.
+  result.all_masses =
+      masses_of_candidates.empty() ? masses_of_groups : masses_of_candidates;
   return result;
 }
 
@@ -95,95 +106,155 @@ Matrix DirectionsOf(Eigen::Index size, const Entries& entries,
   return directions;
 }
 
-std::string PercentOf(double logarithm) {
-  const double change = std::expm1(logarithm);
-  return " (" + std::string(change > 0.0 ? "+" : "") +
-         FormatNumber(100.0 * change, 3) + " %)";
+std::string PercentOf(double fraction) {
+  return " (" + std::string(fraction > 0.0 ? "+" : "") +
+         FormatNumber(100.0 * fraction, 3) + " %)";
 }
 
 std::string NameOf(const ChangeSubject& subject) {
   if (subject.place.empty()) return "'" + subject.name + "'";
-  return (subject.kind == ChangeKind::kMass ? "the mass at "
-                                            : "the damping of ") +
-         subject.place;
-}
-
-// Losses of stiffness in logarithms among what was found.
-Entries LossesOf(const ResultSubjects& subjects, const Entries& stiffness) {
-  Entries losses;
-  for (const int j : stiffness) {
-    const GroupChange& change =
-        subjects.estimate().groups[static_cast<size_t>(j)];
-    if (change.changed && change.change < 0.0) losses.push_back(j);
+  switch (subject.kind) {
+    case ChangeKind::kMass:
+      return "the mass at " + subject.place;
+    case ChangeKind::kDamping:
+      return "the damping of " + subject.place;
+    case ChangeKind::kStiffness:
+      if (subject.place == "rest") return "the stiffness in no group";
+      return "spring " + subject.place;
+    case ChangeKind::kNonlinear:
+      break;
   }
-  return losses;
-}
-
-// Keeps `other` in *best if it is the likeliest so far.
-void KeepLikeliest(MassesInstead other, bool* any, MassesInstead* best) {
-  if (*any && other.log_odds <= best->log_odds) return;
-  *any = true;
-  *best = std::move(other);
+  return subject.place;
 }
 
 // Masses and damping in place of losses.
-std::vector<MassesInstead> MassesForLosses(const ChangeSets& sets,
-                                           const EntriesByKind& all,
-                                           const ChangeOptions& options,
-                                           const ResultSubjects& subjects) {
-  std::vector<MassesInstead> result;
-  const Entries found = subjects.ChangedEntries();
-  const Entries losses = LossesOf(subjects, all.stiffness);
-  if (losses.empty() || all.masses.empty() || all.damping.empty()) {
-    return result;
+class MassesForLosses {
+ public:
+  MassesForLosses(const ChangeSets& sets, const EntriesByKind& all,
+                  const std::vector<bool>& is_logarithm,
+                  const ChangeOptions& options, ResultSubjects* subjects)
+      : sets_(sets),
+        all_(all),
+        is_logarithm_(is_logarithm),
+        options_(options),
+        subjects_(*subjects),
+        found_(subjects->ChangedEntries()) {}
+
+  // The likeliest for all losses, and for each.
+  std::vector<MassesInstead> Run() {
+    for (const int j : found_) {
+      if (!IsAmong(all_.stiffness, j)) continue;
+      const GroupChange& change = subjects_.estimate().groups[SubjectOf(j)];
+      if (change.change < 0.0) losses_.push_back(j);
+    }
+    if (losses_.empty() || all_.masses.empty() || all_.damping.empty()) {
+      return {};
+    }
+    own_ = sets_.FitOf(DirectionsOf(sets_.size(), found_));
+    TryAll();
+    for (const int loss : losses_) {
+      std::optional<MassesInstead> best;
+      for (const int mass : all_.masses) {
+        for (const int damping : all_.damping) {
+          if (IsAmong(found_, mass) || IsAmong(found_, damping)) continue;
+          Try({Exchanged(found_, {loss}, {}), {mass}, {damping}, {loss}},
+              &best);
+        }
+      }
+      if (best.has_value()) result_.push_back(std::move(*best));
+    }
+    return result_;
   }
-  const ChangeSets::Fit own = sets.FitOf(DirectionsOf(sets.size(), found));
-  const auto counts = [&](const ChangeSets::Fit& fit) {
-    return own.gain - fit.gain < options.rival_loss;
+
+  // Subjects of losses that are not 20 times as likely as one of the sets.
+  const std::vector<size_t>& unsure() const { return unsure_; }
+
+ private:
+  // One factor on `masses` and one on `damping` in place of `losses`. The
+  // changes `beside` stay; of these `named`, the last, may be part of the set.
+  struct Exchange {
+    Entries beside, masses, damping, losses;
+    bool named = false;
   };
-  // One factor on all masses and one on all damping for all losses.
-  if (losses.size() > 1) {
+
+  size_t SubjectOf(int entry) const {
+    return static_cast<size_t>(subjects_.SubjectOf(entry));
+  }
+
+  // One factor on all masses and one on all damping for all losses, alone or
+  // with one of the changes that were found.
+  void TryAll() {
+    if ((losses_.size() < 2 && all_.all_masses.size() < 2) ||
+        all_.all_masses.empty() || all_.all_damping.empty()) {
+      return;
+    }
     const Entries rest = Exchanged(
-        Exchanged(Exchanged(found, all.stiffness, {}), all.masses, {}),
-        all.damping, {});
-    const ChangeSets::Fit fit = sets.FitOf(
-        DirectionsOf(sets.size(), rest, {all.masses, all.all_damping}));
-    if (counts(fit)) {
-      MassesInstead instead;
-      const auto at = static_cast<Eigen::Index>(rest.size());
-      for (const int j : losses) {
-        instead.losses.push_back(static_cast<size_t>(j));
-      }
-      instead.what = "all masses" + PercentOf(fit.sizes[at]) +
-                     " with all damping" + PercentOf(fit.sizes[at + 1]);
-      instead.log_odds = fit.log_evidence - own.log_evidence;
-      result.push_back(std::move(instead));
+        Exchanged(Exchanged(found_, all_.stiffness, {}), all_.masses, {}),
+        all_.damping, {});
+    std::optional<MassesInstead> best, best_with_one;
+    Try({rest, all_.all_masses, all_.all_damping, losses_}, &best);
+    for (const int one : found_) {
+      const bool may_stay =
+          IsAmong(all_.stiffness, one) ||
+          (IsAmong(all_.masses, one) && all_.all_masses.size() > 1);
+      const Entries losses = Exchanged(losses_, {one}, {});
+      if (!may_stay || losses.empty()) continue;
+      Try({Exchanged(rest, {}, {one}), all_.all_masses, all_.all_damping,
+           losses, true},
+          &best_with_one);
     }
+    if (best_with_one.has_value() &&
+        (!best.has_value() || best_with_one->log_odds > best->log_odds)) {
+      result_.push_back(std::move(*best_with_one));
+    }
+    if (best.has_value()) result_.push_back(std::move(*best));
   }
-  // One of each for one loss.
-  for (const int loss : losses) {
-    bool any = false;
-    MassesInstead best;
-    for (const int mass : all.masses) {
-      for (const int damping : all.damping) {
-        if (IsAmong(found, mass) || IsAmong(found, damping)) continue;
-        const Entries rest = Exchanged(found, {loss}, {mass, damping});
-        const ChangeSets::Fit fit = sets.FitOf(DirectionsOf(sets.size(), rest));
-        if (!counts(fit)) continue;
-        const auto at = static_cast<Eigen::Index>(rest.size()) - 2;
-        KeepLikeliest(
-            {{static_cast<size_t>(loss)},
-             NameOf(SubjectAt(subjects, mass)) + PercentOf(fit.sizes[at]) +
-                 " with " + NameOf(SubjectAt(subjects, damping)) +
-                 PercentOf(fit.sizes[at + 1]),
-             fit.log_evidence - own.log_evidence},
-            &any, &best);
+
+  // Keeps `exchange` in *best if it explains the records and is the likeliest
+  // so far.
+  void Try(const Exchange& exchange, std::optional<MassesInstead>* best) {
+    const ChangeSets::Fit fit = sets_.FitOf(DirectionsOf(
+        sets_.size(), exchange.beside, {exchange.masses, exchange.damping}));
+    if (!(own_.gain - fit.gain < options_.rival_loss)) return;
+    MassesInstead instead;
+    instead.log_odds = fit.log_evidence - own_.log_evidence;
+    for (const int j : exchange.losses) {
+      instead.losses.push_back(SubjectOf(j));
+      if (instead.log_odds > -limits::kLogOdds) {
+        unsure_.push_back(instead.losses.back());
       }
     }
-    if (any) result.push_back(std::move(best));
+    if (best->has_value() && instead.log_odds <= (*best)->log_odds) return;
+    const auto at = static_cast<Eigen::Index>(exchange.beside.size());
+    instead.what = TextOf(exchange.masses, "masses", fit.sizes[at]) + " with " +
+                   TextOf(exchange.damping, "damping", fit.sizes[at + 1]);
+    if (exchange.named) {
+      instead.what +=
+          " and " + TextOf({exchange.beside.back()}, "", fit.sizes[at - 1]);
+    }
+    *best = std::move(instead);
   }
-  return result;
-}
+
+  // Entries that change together, and by how much.
+  std::string TextOf(const Entries& entries, const std::string& what,
+                     double size) const {
+    const bool is_log = is_logarithm_[static_cast<size_t>(entries[0])];
+    return (entries.size() > 1 ? "all " + what + " that were looked at"
+                               : NameOf(SubjectAt(subjects_, entries[0]))) +
+           PercentOf(is_log ? std::expm1(size) : size);
+  }
+
+  const ChangeSets& sets_;
+  const EntriesByKind& all_;
+  const std::vector<bool>& is_logarithm_;
+  const ChangeOptions& options_;
+  ResultSubjects& subjects_;
+  const Entries found_;
+  Entries losses_;
+  ChangeSets::Fit own_;
+  std::vector<MassesInstead> result_;
+  std::vector<size_t> unsure_;
+};
 
 // A loss of all stiffness in place of several masses.
 void FindLossOfAll(const ChangeSets& sets, const EntriesByKind& all,
@@ -193,22 +264,26 @@ void FindLossOfAll(const ChangeSets& sets, const EntriesByKind& all,
   const auto num_masses =
       std::count_if(all.masses.begin(), all.masses.end(),
                     [&](int mass) { return IsAmong(found, mass); });
-  if (num_masses < 2 || all.stiffness.empty() ||
-      static_cast<std::ptrdiff_t>(all.stiffness.size()) > num_masses) {
+  Entries springs = all.stiffness;
+  if (static_cast<std::ptrdiff_t>(springs.size()) > num_masses) {
+    const int num_groups = static_cast<int>(subjects->num_groups());
+    springs.erase(std::lower_bound(springs.begin(), springs.end(), num_groups),
+                  springs.end());
+  }
+  if (num_masses < 2 || springs.empty() ||
+      static_cast<std::ptrdiff_t>(springs.size()) > num_masses) {
     return;
   }
   const ChangeSets::Fit with =
       sets.FitOf(DirectionsOf(sets.size(), Exchanged(found, {}, all.damping)));
   const Entries instead =
-      Exchanged(Exchanged(found, all.masses, all.damping), {}, all.stiffness);
+      Exchanged(Exchanged(found, all.masses, all.damping), {}, springs);
   const ChangeSets::Fit without =
       sets.FitOf(DirectionsOf(sets.size(), instead));
   if (!(with.gain - without.gain < options.rival_loss)) return;
-  const auto begin =
-      static_cast<Eigen::Index>(instead.size() - all.stiffness.size());
-  for (size_t k = 0; k < all.stiffness.size(); ++k) {
+  const auto begin = static_cast<Eigen::Index>(instead.size() - springs.size());
+  for (size_t k = 0; k < springs.size(); ++k) {
     const Eigen::Index i = begin + static_cast<Eigen::Index>(k);
-    const auto j = static_cast<size_t>(all.stiffness[k]);
     GroupChange change;
     change.change = without.sizes[i];
     change.sigma = std::sqrt(without.covariance(i, i));
@@ -216,6 +291,8 @@ void FindLossOfAll(const ChangeSets& sets, const EntriesByKind& all,
     change.upper95 = change.change + sets.quantile() * change.sigma;
     FromLogarithm(options.threshold, 1.0, &change);
     if (!(change.lower95 < -options.threshold)) continue;
+    const auto j = static_cast<size_t>(subjects->SubjectOf(springs[k]));
+    is_loss->resize(subjects->subjects().size(), false);
     GroupChange& own = subjects->mutable_estimate()->groups[j];
     if (!(*is_loss)[j] && IsLostEitherWay(change, &own)) continue;
     change.changed = own.changed;
@@ -264,11 +341,9 @@ bool FindScaleInstead(const ComparedStates& states,
   const ChangeSets sets(pooled, states.current);
   const EntriesByKind all = SortEntries(*subjects, states.is_logarithm);
   is_loss->resize(subjects->subjects().size(), false);
-  *masses = MassesForLosses(sets, all, options, *subjects);
-  for (const MassesInstead& instead : *masses) {
-    if (!(instead.log_odds > -limits::kLogOdds)) continue;
-    for (const size_t j : instead.losses) (*is_loss)[j] = true;
-  }
+  MassesForLosses exchange(sets, all, states.is_logarithm, options, subjects);
+  *masses = exchange.Run();
+  for (const size_t j : exchange.unsure()) (*is_loss)[j] = true;
   FindLossOfAll(sets, all, options, subjects, is_loss);
   return true;
 }
@@ -279,27 +354,27 @@ void RemarkMassesInstead(const std::vector<MassesInstead>& instead,
   for (const MassesInstead& one : instead) {
     std::vector<std::string> losses;
     for (const size_t j : one.losses) {
-      losses.push_back(
-          "'" + subjects.subjects()[j].name + "'" +
-          PercentOf(std::log1p(subjects.estimate().groups[j].change)));
+      losses.push_back(NameOf(subjects.subjects()[j]) +
+                       PercentOf(subjects.estimate().groups[j].change));
     }
-    std::string remark = "Or, equally: " + one.what + " in place of " +
-                         Join(losses, ", ") +
+    const bool is_one = losses.size() == 1;
+    std::string remark = "Or, with the same motion: " + one.what +
+                         " in place of " + Join(losses, ", ") +
                          ". The records do not tell these apart. ";
     if (one.log_odds > -limits::kLogOdds) {
       remark +=
           "If no mass can have changed, set damage.kinds = [\"damping\", "
-          "\"stiffness\", \"nonlinear\"], leave out damage.masses and run "
-          "again.";
+          "\"stiffness\", \"nonlinear\"], leave out damage.masses, fix mass "
+          "groups and run again.";
     } else {
       // Larger odds are more than states of one record each can show.
       constexpr double kMostOdds = 1000.0;
       const double odds = std::exp(-one.log_odds);
-      remark +=
-          "The sizes of two changes would have to match, so the loss is " +
-          (odds > kMostOdds ? "more than 1000" : FormatNumber(odds, 2)) +
-          " times as likely. If that mass has changed, this is no "
-          "damage.";
+      remark += "The sizes of two changes would have to match, so the " +
+                std::string(is_one ? "loss is " : "losses are ") +
+                (odds > kMostOdds ? "more than 1000" : FormatNumber(odds, 2)) +
+                " times as likely. If the masses have changed, " +
+                (is_one ? "this is" : "these are") + " no damage.";
     }
     remarks->push_back(std::move(remark));
   }

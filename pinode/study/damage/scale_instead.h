@@ -67,13 +67,16 @@ struct MassesInstead {
 // options.rival_loss of twice the log-likelihood.
 //
 // Masses for losses: one mass and one damping in place of each loss, and one
-// factor on all masses and one on all damping in place of all losses. *masses
-// has the likeliest for each loss. The odds decide, for the sizes of two
-// changes have to match. Below 20 for a loss, it gets a flag in *is_loss, one
-// per subject (MissedMotion::loss_instead).
+// factor on all masses and one on all damping in place of all losses. One of
+// the other changes that were found may stay beside these factors: with all
+// masses 20 % heavier, a spring that lost 28 % is one of several losses.
+// *masses has the likeliest for each loss and for all. The odds decide, for the
+// sizes of two changes have to match. Below 20 for a loss, it gets a flag in
+// *is_loss, one per subject (MissedMotion::loss_instead). Losses are those of
+// groups and of springs in no group.
 //
 // Losses for masses: a loss of all stiffness in place of several masses, with
-// all damping free in both, if there are no more groups than masses. Groups
+// all damping free in both, if there are no more springs than masses. Springs
 // that may have lost more than options.threshold get a flag, and the change
 // that they have without the masses. One that was found and is lost either way
 // gets none (IsLostEitherWay). FindLossesInstead does it for one mass.
