@@ -545,7 +545,7 @@ TEST(Identify, AFitForItsCostAloneHasNoIntervals) {
   ASSERT_EQ(cost_only.records.size(), 2u);
   EXPECT_NEAR(cost_only.records[0].nrmse, full.records[0].nrmse, 1e-5);
   EXPECT_EQ(cost_only.records[0].start.size(), full.records[0].start.size());
-  // What nobody simulated has no error.
+  // Errors of what nobody simulated are NaN.
   EXPECT_TRUE(std::isnan(cost_only.records[0].prior_nrmse));
   ASSERT_EQ(cost_only.records[0].channels.size(), 2u);
   EXPECT_TRUE(std::isnan(cost_only.records[0].channels[1].prior_nrmse));

@@ -32,7 +32,7 @@ namespace pinode {
                                      std::string* error);
 
 // True if a group that was found is lost either way, to 95 %: by *own, or by
-// `instead` without the masses. The interval of *own then holds both sizes.
+// `instead` under another explanation. The interval of *own then holds both.
 bool IsLostEitherWay(const GroupChange& instead, GroupChange* own);
 
 }  // namespace pinode

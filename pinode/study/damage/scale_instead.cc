@@ -26,7 +26,7 @@ struct EntriesByKind {
   // Stiffness of groups, then that of springs in no group.
   Entries stiffness;
   Entries masses, damping;
-  // Those that make up all masses together, each once, and all damping.
+  // Entries that make up all masses together, each once, and all damping.
   Entries all_masses, all_damping;
 };
 
@@ -127,6 +127,18 @@ std::string NameOf(const ChangeSubject& subject) {
   return subject.place;
 }
 
+// Change of entry `i` of a fit, a logarithm.
+GroupChange ChangeIn(const ChangeSets::Fit& fit, Eigen::Index i,
+                     double quantile, double threshold) {
+  GroupChange change;
+  change.change = fit.sizes[i];
+  change.sigma = std::sqrt(fit.covariance(i, i));
+  change.lower95 = change.change - quantile * change.sigma;
+  change.upper95 = change.change + quantile * change.sigma;
+  FromLogarithm(threshold, 1.0, &change);
+  return change;
+}
+
 // Masses and damping in place of losses.
 class MassesForLosses {
  public:
@@ -166,7 +178,8 @@ class MassesForLosses {
     return result_;
   }
 
-  // Subjects of losses that are not 20 times as likely as one of the sets.
+  // Subjects of losses that are not 20 times as likely as one of the sets, or
+  // may be none beside one.
   const std::vector<size_t>& unsure() const { return unsure_; }
 
  private:
@@ -224,8 +237,11 @@ class MassesForLosses {
         unsure_.push_back(instead.losses.back());
       }
     }
-    if (best->has_value() && instead.log_odds <= (*best)->log_odds) return;
     const auto at = static_cast<Eigen::Index>(exchange.beside.size());
+    if (exchange.named && instead.log_odds > -limits::kLogOdds) {
+      DoubtBeside(exchange.beside.back(), fit, at - 1);
+    }
+    if (best->has_value() && instead.log_odds <= (*best)->log_odds) return;
     instead.what = TextOf(exchange.masses, "masses", fit.sizes[at]) + " with " +
                    TextOf(exchange.damping, "damping", fit.sizes[at + 1]);
     if (exchange.named) {
@@ -233,6 +249,16 @@ class MassesForLosses {
           " and " + TextOf({exchange.beside.back()}, "", fit.sizes[at - 1]);
     }
     *best = std::move(instead);
+  }
+
+  // A loss that stays beside masses may be smaller than it was found, or none.
+  void DoubtBeside(int entry, const ChangeSets::Fit& fit, Eigen::Index i) {
+    if (!IsAmong(losses_, entry)) return;
+    const size_t j = SubjectOf(entry);
+    if (!IsLostEitherWay(ChangeIn(fit, i, sets_.quantile(), options_.threshold),
+                         &subjects_.mutable_estimate()->groups[j])) {
+      unsure_.push_back(j);
+    }
   }
 
   // Entries that change together, and by how much.
@@ -284,12 +310,8 @@ void FindLossOfAll(const ChangeSets& sets, const EntriesByKind& all,
   const auto begin = static_cast<Eigen::Index>(instead.size() - springs.size());
   for (size_t k = 0; k < springs.size(); ++k) {
     const Eigen::Index i = begin + static_cast<Eigen::Index>(k);
-    GroupChange change;
-    change.change = without.sizes[i];
-    change.sigma = std::sqrt(without.covariance(i, i));
-    change.lower95 = change.change - sets.quantile() * change.sigma;
-    change.upper95 = change.change + sets.quantile() * change.sigma;
-    FromLogarithm(options.threshold, 1.0, &change);
+    GroupChange change =
+        ChangeIn(without, i, sets.quantile(), options.threshold);
     if (!(change.lower95 < -options.threshold)) continue;
     const auto j = static_cast<size_t>(subjects->SubjectOf(springs[k]));
     is_loss->resize(subjects->subjects().size(), false);

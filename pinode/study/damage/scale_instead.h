@@ -69,7 +69,8 @@ struct MassesInstead {
 // Masses for losses: one mass and one damping in place of each loss, and one
 // factor on all masses and one on all damping in place of all losses. One of
 // the other changes that were found may stay beside these factors: with all
-// masses 20 % heavier, a spring that lost 28 % is one of several losses.
+// masses 20 % heavier, a spring that lost 28 % is one of several losses. A loss
+// that stays there is flagged too unless it is one either way.
 // *masses has the likeliest for each loss and for all. The odds decide, for the
 // sizes of two changes have to match. Below 20 for a loss, it gets a flag in
 // *is_loss, one per subject (MissedMotion::loss_instead). Losses are those of

@@ -124,7 +124,7 @@ class ScaleInsteadTest : public ::testing::Test {
     }
   }
 
-  // What was found, as fractions.
+  // Marks an entry as found; `change` is a fraction.
   void Found(int entry, double change) {
     const auto j = static_cast<size_t>(all_->SubjectOf(entry));
     GroupChange& found = estimate_.groups[j];
@@ -256,6 +256,21 @@ TEST_F(ScaleInsteadTest, OneLossMayStayBesideAllMasses) {
   EXPECT_THAT(masses_[0].what,
               AllOf(HasSubstr("all masses that were looked at (+2"),
                     HasSubstr("and 'k1' (-2")));
+  // The loss beside them may be as small as that.
+  EXPECT_LT(estimate_.groups[0].lower95, 0.72 / 1.2 - 1.0);
+  EXPECT_GT(estimate_.groups[0].upper95, -0.28);
+}
+
+// The spring that stays beside all masses is stiffer than before.
+TEST_F(ScaleInsteadTest, WhatStaysBesideAllMassesMayBeNoLoss) {
+  const double grown = std::log(1.2);
+  AddGroups({"k1", "k2", "k3", "c"},
+            {std::log(1.06) - grown, -grown, -grown, -grown});
+  AddMasses(3);
+  Found(0, 1.06 / 1.2 - 1.0);
+  for (const int j : {1, 2, 3}) Found(j, 1.0 / 1.2 - 1.0);
+  Run();
+  EXPECT_THAT(is_loss_, ElementsAre(true, true, true, false));
 }
 
 // A mass may stay as well.
