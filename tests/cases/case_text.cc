@@ -1,6 +1,5 @@
 #include "tests/cases/case_text.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -9,6 +8,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/statistics.h"
 #include "tests/support/gaussian_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -62,12 +62,10 @@ std::string WithTables(const std::string& text, const std::string& name,
 }
 
 Case CaseOfText(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/case_of_text.toml";
-  std::ofstream(path) << text;
+  const TemporaryFolder folder;
   Case c;
   std::string error;
-  EXPECT_TRUE(ReadCase(path, &c, &error)) << error;
-  std::remove(path.c_str());
+  EXPECT_TRUE(ReadCase(folder.Write("case.toml", text), &c, &error)) << error;
   return c;
 }
 

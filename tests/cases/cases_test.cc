@@ -2,6 +2,8 @@
 // test prints what it measured: run it with --gtest_filter to see one line of
 // the table again, or tests/figures.sh for all of it.
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -123,7 +125,8 @@ std::string CaseWithElCentro() {
     }
   }
   if (python.empty()) return "";
-  const std::string folder = ::testing::TempDir() + "/pinode_el_centro";
+  const std::string folder =
+      ::testing::TempDir() + "/pinode_el_centro_" + std::to_string(getpid());
   const std::string command =
       python + " " +
       Quoted(PINODE_SOURCE_DIR "/data/four_dof_forced/make_elcentro.py") + " " +

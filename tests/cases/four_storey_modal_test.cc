@@ -15,6 +15,7 @@
 #include "gtest/gtest.h"
 #include "tests/cases/measure.h"
 #include "tests/support/figure_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -62,10 +63,8 @@ class FourStoreyModal : public ::testing::Test {
       text << "}\n";
     }
     text << "[options]\nmultistart = " << kStarts << "\ntolerance = 1e-12\n";
-    const std::string path =
-        ::testing::TempDir() + "/four_storey_" + form + ".toml";
-    std::ofstream(path) << text.str();
-    return RunCase(ReadCaseOrFail(path));
+    const TemporaryFolder folder;
+    return RunCase(ReadCaseOrFail(folder.Write("case.toml", text.str())));
   }
 
   // Prints what came out, and how far the frequencies are from all four that

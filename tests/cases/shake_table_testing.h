@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -16,6 +15,7 @@
 #include "pinode/structure/model/modal_analysis.h"
 #include "tests/cases/measure.h"
 #include "tests/support/figure_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace testing {
@@ -150,9 +150,8 @@ inline std::string StoreysText(const Frame& frame, bool second_half) {
 }
 
 inline CaseRun RunText(const std::string& name, const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/shake_" + name + ".toml";
-  std::ofstream(path) << text;
-  Case c = ReadCaseOrFail(path);
+  const TemporaryFolder folder;
+  Case c = ReadCaseOrFail(folder.Write("shake_" + name + ".toml", text));
   c.options.function_tolerance = 1e-6;
   return RunCase(std::move(c));
 }
