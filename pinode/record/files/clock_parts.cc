@@ -6,6 +6,7 @@
 
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
+#include "pinode/base/unit_names.h"
 
 namespace pinode {
 namespace {
@@ -125,24 +126,11 @@ int* PlaceOf(Part part, ClockParts* parts) {
 // Finds the column of fractions behind the seconds.
 void FindFraction(const std::vector<TextColumn>& columns, ClockParts* parts) {
   const size_t next = static_cast<size_t>(parts->second) + 1;
-  if (next >= columns.size() || columns[next].kind != CellKind::kNumber) return;
-  const std::string lower = LowerCase(columns[next].short_name);
-  const bool is_bare = columns[next].unit.empty();
-  struct Fraction {
-    const char* unit;
-    std::array<const char*, 4> names;
-    double seconds;
-  };
-  for (const Fraction& known :
-       {Fraction{"ms", {"ms", "msec", "millisecond", "milliseconds"}, 1e-3},
-        Fraction{"us", {"us", "usec", "microsecond", "microseconds"}, 1e-6},
-        Fraction{"ns", {"ns", "nsec", "nanosecond", "nanoseconds"}, 1e-9}}) {
-    const bool is_named = std::find(known.names.begin(), known.names.end(),
-                                    lower) != known.names.end();
-    if (!is_named || !(is_bare || columns[next].unit == known.unit)) continue;
-    parts->fraction = static_cast<int>(next);
-    parts->fraction_in_seconds = known.seconds;
-  }
+  const double seconds =
+      next < columns.size() ? FractionOfColumn(columns[next]) : 0.0;
+  if (seconds == 0.0) return;
+  parts->fraction = static_cast<int>(next);
+  parts->fraction_in_seconds = seconds;
 }
 
 bool IsDateComplete(const ClockParts& parts) {
@@ -259,6 +247,29 @@ bool ParseDate(const ClockParts& parts, PartReader* reader, ClockCell* cell) {
 
 std::string UnitOfClockPart(const std::string& name) {
   return UnitOf(PartOf(name));
+}
+
+double FractionOfColumn(const TextColumn& column) {
+  if (column.kind != CellKind::kNumber) return 0.0;
+  const std::string lower = LowerCase(column.short_name);
+  const std::string unit = CanonicalUnit(column.short_name);
+  struct Fraction {
+    const char* unit;
+    std::array<const char*, 4> names;
+    double seconds;
+  };
+  for (const Fraction& known :
+       {Fraction{"ms", {"ms", "msec", "millisecond", "milliseconds"}, 1e-3},
+        Fraction{"us", {"us", "usec", "microsecond", "microseconds"}, 1e-6},
+        Fraction{"ns", {"ns", "nsec", "nanosecond", "nanoseconds"}, 1e-9}}) {
+    const bool is_named =
+        unit == known.unit || std::find(known.names.begin(), known.names.end(),
+                                        lower) != known.names.end();
+    if (is_named && (column.unit.empty() || column.unit == known.unit)) {
+      return known.seconds;
+    }
+  }
+  return 0.0;
 }
 
 std::vector<int> ClockParts::Columns() const {

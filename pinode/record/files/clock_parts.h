@@ -18,6 +18,11 @@ namespace pinode {
 // "date". Empty for other names.
 std::string UnitOfClockPart(const std::string& name);
 
+// Returns the seconds that a column of fractions of a second counts in, by its
+// name: 1e-3 for "ms" and "Milliseconds". 0 for other columns, such as
+// "Exposure [ms]".
+double FractionOfColumn(const TextColumn& column);
+
 // Columns of the parts; -1: there is none.
 struct ClockParts {
   int date = -1;  // text, such as 2024-03-01

@@ -201,7 +201,50 @@ TEST(ClockPartsTest, HalvesOfTheDay) {
 TEST(ClockPartsTest, FractionsStandInOneColumn) {
   EXPECT_THAT(Error("Time,ms,a\n12:00:00.00,0,1\n12:00:00.01,10,2\n"
                     "12:00:00.02,20,3\n"),
-              HasSubstr("r.csv:3: column 'Time': '12:00:00.01' is not a time"));
+              HasSubstr("r.csv:3: column 'Time': '12:00:00.01' has a fraction "
+                        "and so has 'ms' beside it"));
+  EXPECT_THAT(Error("Time,ms,a\n12:00:00,990,1\n12:00:01,1000,2\n"
+                    "12:00:02,1010,3\n"),
+              HasSubstr("'1000' of 'ms' beside it is no fraction"));
+  // With %f the time is read alone.
+  TextFormat format;
+  format.time_column = "Time";
+  format.time_format = "%H:%M:%S.%f";
+  Table table;
+  std::string error;
+  ASSERT_TRUE(
+      ParseTextTable("Time,ms,a\n12:00:00.00,0,1\n12:00:00.01,10,2\n"
+                     "12:00:00.02,20,3\n",
+                     "r.csv", {"Time", "ms"}, format, &table, &error))
+      << error;
+  EXPECT_NEAR(table.values(2, 0), 0.02, 1e-9);
+  EXPECT_EQ(table.values(2, 1), 20.0);
+}
+
+// A column in milliseconds is a fraction only by its name.
+TEST(ClockPartsTest, DurationsAreNoFractions) {
+  for (const char* name : {"dt [ms]", "Exposure [ms]", "t_ms"}) {
+    Table table;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadByOutline("Time;" + std::string(name) +
+                                  ";a\n12:30:00.00;20;1\n12:30:00.02;20;2\n"
+                                  "12:30:00.04;20;3\n",
+                              &table, &outline, &error))
+        << error;
+    EXPECT_NEAR(table.values(2, 0), 0.04, 1e-9);
+  }
+  for (const char* name : {"ms", "Milliseconds", "msec [ms]", "MS"}) {
+    Table table;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadByOutline("Time;" + std::string(name) +
+                                  ";a\n12:30:00;980;1\n12:30:01;0;2\n"
+                                  "12:30:01;20;3\n",
+                              &table, &outline, &error))
+        << error;
+    EXPECT_NEAR(table.values(2, 0), 0.04, 1e-9);
+  }
 }
 
 // A date and a time of day need not stand side by side.

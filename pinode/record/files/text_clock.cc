@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kMidnight = 86400.0;  // s
 
-// Returns the seconds of a unit of fractions; 0 for others.
-double FractionInSeconds(const std::string& unit) {
-  return unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
-}
-
 // Finds the date of a column of times of day, or the other way round: beside
 // it, else the only one of the file if its name is that of one.
 int FindPartner(const TextLayout& layout, int column, CellKind kind,
@@ -98,9 +93,13 @@ TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
   }
   const int next = parts.time + 1;
   if (parts.time < 0 || kind(next) != CellKind::kNumber) return parts;
-  const TextColumn& fraction = layout.columns[static_cast<size_t>(next)];
-  const double seconds = FractionInSeconds(
-      fraction.unit.empty() ? UnitOfTimeName(fraction.name) : fraction.unit);
+  // A user who says what the time is has it without the column beside it.
+  if (!format.time_unit.empty() ||
+      format.time_format.find("%f") != std::string::npos) {
+    return parts;
+  }
+  const double seconds =
+      FractionOfColumn(layout.columns[static_cast<size_t>(next)]);
   if (seconds > 0.0) {
     parts.fraction = next;
     parts.fraction_in_seconds = seconds;
@@ -125,7 +124,7 @@ void TextClock::Clear(size_t num_rows) {
 }
 
 bool TextClock::Parse(const std::vector<std::string_view>& cells, char decimal,
-                      ClockCell* cell) const {
+                      ClockCell* cell, std::string* what) const {
   const auto text = [&cells](int i) { return cells[static_cast<size_t>(i)]; };
   if (!format_.time_format.empty()) {
     const int first = parts_.date >= 0 ? parts_.date : parts_.time;
@@ -148,10 +147,21 @@ bool TextClock::Parse(const std::vector<std::string_view>& cells, char decimal,
     return false;
   }
   if (parts_.fraction < 0) return true;
+  const std::string& beside = NameOf(parts_.fraction);
   double fraction = 0.0;
   if (!ParseCell(text(parts_.fraction), decimal, &fraction) ||
-      !(fraction * parts_.fraction_in_seconds < 1.0) || !(fraction >= 0.0) ||
-      cell->seconds != std::floor(cell->seconds)) {
+      !(fraction * parts_.fraction_in_seconds < 1.0) || !(fraction >= 0.0)) {
+    *what = Quote(text(parts_.fraction)) + " of '" + beside +
+            "' beside it is no fraction of a second; if that counts on, it is "
+            "the time by `time = \"" +
+            beside + "\"`. Or give `sampling_rate_hz`";
+    return false;
+  }
+  if (cell->seconds != std::floor(cell->seconds)) {
+    *what = Quote(text(parts_.time)) + " has a fraction and so has '" + beside +
+            "' beside it; give `sampling_rate_hz`, or `time_format` with %f, "
+            "which reads '" +
+            NameOf(column_) + "' alone";
     return false;
   }
   cell->seconds += fraction * parts_.fraction_in_seconds;
@@ -174,11 +184,14 @@ bool TextClock::Add(const std::vector<std::string_view>& cells, char decimal,
              "of the whole time and `time_unit` to its unit, or give "
              "`sampling_rate_hz`";
   } else {
-    if (Parse(cells, decimal, &clock_.back())) return true;
-    *error = "column '" + NameOf(column_) +
-             "': " + Quote(cells[static_cast<size_t>(column_)]) +
+    std::string what;
+    if (Parse(cells, decimal, &clock_.back(), &what)) return true;
+    if (what.empty()) {
+      what = Quote(cells[static_cast<size_t>(column_)]) +
              " is not a time like the first row; set `time_format`, or give "
              "`sampling_rate_hz`";
+    }
+    *error = "column '" + NameOf(column_) + "': " + what;
   }
   clock_.pop_back();
   return false;

@@ -21,7 +21,7 @@ namespace pinode {
 struct TimeParts {
   int date = -1;      // or date and time of day
   int time = -1;      // time of day
-  int fraction = -1;  // whole numbers
+  int fraction = -1;  // by its name: "ms"
   double fraction_in_seconds = 0.0;
   // Columns of numbers; complete only without the columns above.
   ClockParts split;
@@ -64,8 +64,9 @@ class TextClock {
 
  private:
   const std::string& NameOf(int column) const;
+  // Parses the time of a row. On failure *what may say why.
   bool Parse(const std::vector<std::string_view>& cells, char decimal,
-             ClockCell* cell) const;
+             ClockCell* cell, std::string* what) const;
   std::string NamesOfParts() const;
 
   const TextLayout& layout_;
