@@ -351,6 +351,11 @@ void AddAssumptions(const LogFile& log, const DraftRecord& record,
     assumptions->push_back(log.path + ": left out: " + Join(left_out, ", ") +
                            ".");
   }
+  if (!log.unused_times.empty()) {
+    assumptions->push_back(
+        log.path + ": left out, because their names are those of times: " +
+        Join(log.unused_times, ", ") + ".");
+  }
   if (log.is_time_unit_assumed && !log.time_column.empty()) {
     assumptions->push_back(log.path + ": the times in " +
                            Quote(log.time_column) +

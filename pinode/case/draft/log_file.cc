@@ -273,6 +273,7 @@ bool ReadLogFile(const std::string& path, const LogOptions& options,
     format.time_column = result.time_column;
     wanted.push_back(result.time_column);
   }
+  result.unused_times = outline.UnusedTimes(result.time_column);
   for (size_t i = 0; i < outline.columns.size(); ++i) {
     const TextColumn& column = outline.columns[i];
     if (!outline.is_channel[i] || Contains(options.ignored, column) ||

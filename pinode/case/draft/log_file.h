@@ -62,6 +62,8 @@ struct LogFile {
   // True if neither the file nor the user states the unit of numbers of time.
   bool is_time_unit_assumed = false;
   std::vector<LogColumn> columns;
+  // Columns that are left out, because they are called as times are.
+  std::vector<std::string> unused_times;
   double step = 0.0;  // s
   // Sentence of the reader on what was assumed; empty for plain files.
   std::string reading;

@@ -10,7 +10,6 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/case/text/toml_value.h"
 #include "pinode/record/files/array_table.h"
-#include "pinode/record/files/clock_parts.h"
 #include "pinode/record/files/loggers/logger_table.h"
 #include "pinode/record/files/text_table.h"
 #include "pinode/record/files/text_time.h"
@@ -190,18 +189,9 @@ class DataFileReader {
                   "' differ, and a column may belong to either; expected the "
                   "time and the columns of one of them");
     }
-    std::vector<std::string> texts, times;
+    std::vector<std::string> texts;
+    const std::vector<std::string> times = outline_.UnusedTimes(time_);
     for (size_t i = 0; i < outline_.columns.size(); ++i) {
-      const std::string& name = outline_.columns[i].name;
-      const bool is_time =
-          IsNameOfTime(name) ||
-          !UnitOfClockPart(outline_.columns[i].short_name).empty();
-      const auto& parts = outline_.time_parts;
-      const bool is_used = std::find(parts.begin(), parts.end(),
-                                     static_cast<int>(i)) != parts.end();
-      if (!outline_.is_channel[i] && is_time && name != time_ && !is_used) {
-        times.push_back(name);
-      }
       if (outline_.columns[i].kind == CellKind::kText) {
         texts.push_back(outline_.columns[i].name);
       }

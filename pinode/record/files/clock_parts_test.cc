@@ -93,6 +93,46 @@ TEST(ClockPartsTest, TimesOfDayPassMidnight) {
   EXPECT_THAT(outline.time_parts, ElementsAre(0, 1, 2));
 }
 
+// Short names are those of channels if another column is the time.
+TEST(ClockPartsTest, ShortNamesBesideAnotherTime) {
+  struct Names {
+    const char* header;
+    const char* row;
+    std::vector<bool> is_channel;
+    std::vector<std::string> unused;
+  };
+  for (const Names& names :
+       {Names{"Time,hh,mm,ss,a", "12:00:0%,1,2,3,4", {0, 1, 1, 1, 1}, {}},
+        {"Time [s],min,hour,sec,a",
+         "0.%,1,2,3,4",
+         {0, 1, 0, 0, 1},
+         {"hour", "sec"}},
+        {"hh,mm,ss,a", "12,0,0.%,4", {0, 0, 0, 1}, {}},
+        {"hh,mm,ss,ms,a", "12,0,%,5,4", {0, 0, 0, 0, 1}, {}},
+        {"Date,Time,a", "2024-03-01,12:00:0%,4", {0, 0, 1}, {}}}) {
+    std::string text = std::string(names.header) + "\n";
+    for (int i = 0; i < 4; ++i) {
+      std::string row = names.row;
+      row.replace(row.find('%'), 1, std::to_string(i));
+      text += row + "\n";
+    }
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ParseTextOutline(text, "r.csv", {}, &outline, &error)) << error;
+    EXPECT_EQ(outline.is_channel, names.is_channel) << names.header;
+    ASSERT_GE(outline.time_column, 0);
+    const auto place = static_cast<size_t>(outline.time_column);
+    EXPECT_EQ(outline.UnusedTimes(outline.columns[place].name), names.unused)
+        << names.header;
+  }
+  // A clock whose parts are left out is named.
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(ParseTextOutline("hh,mm,ss,a\n12,0,0.0,4\n12,0,0.5,4\n", "r.csv",
+                               {}, &outline, &error));
+  EXPECT_THAT(outline.UnusedTimes("a"), ElementsAre("hh", "mm", "ss"));
+}
+
 // Any part names the clock.
 TEST(ClockPartsTest, AnyPartIsTheTime) {
   const std::string text =
@@ -125,7 +165,7 @@ TEST(ClockPartsTest, UnitOfTheTime) {
   EXPECT_NEAR(table.values(2, 0), 1.0, 1e-12);
 }
 
-// What is not whole or not certain is no clock.
+// Parts that are not whole or not certain are no clock.
 TEST(ClockPartsTest, IncompleteClocks) {
   for (const char* header :
        {"Year,DOY,Second,a", "DOY,Hour,Minute,Second,a",

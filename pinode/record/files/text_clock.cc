@@ -54,6 +54,14 @@ int TimeParts::Last() const {
   return std::max({date, time, fraction, split.Last()});
 }
 
+std::vector<int> TimeParts::Columns() const {
+  std::vector<int> columns = split.Columns();
+  for (const int column : {date, time, fraction, split.fraction}) {
+    if (column >= 0) columns.push_back(column);
+  }
+  return columns;
+}
+
 TimeParts FindTimeParts(const TextLayout& layout, const TextFormat& format,
                         int column) {
   TimeParts parts;

@@ -28,6 +28,8 @@ struct TimeParts {
 
   bool IsClock() const { return date >= 0 || time >= 0 || split.IsComplete(); }
   int Last() const;
+  // All columns of the clock; empty: the time is a column of numbers.
+  std::vector<int> Columns() const;
   // True if a column is a date, a time of day or a fraction.
   bool Has(int column) const {
     return column >= 0 && (column == date || column == time ||

@@ -246,11 +246,10 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
         column.kind == CellKind::kTimeOfDay) {
       if (clock < 0) clock = place;
     }
-    if (split.Has(place) || split.fraction == place) {
+    if (is_number && IsNameOfTime(column.short_name)) {
       is_channel = false;
-    } else if (is_number && IsNameOfTime(column.short_name)) {
-      is_channel = false;
-      if (named < 0 && !IsHour(column.short_name, layout.columns)) {
+      const bool is_part = split.Has(place) || split.fraction == place;
+      if (named < 0 && !is_part && !IsHour(column.short_name, layout.columns)) {
         named = place;
       }
     }
@@ -274,18 +273,37 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
   outline.time_column = clock >= 0 ? clock : named >= 0 ? named : text_time;
   if (outline.time_column < 0) return outline;
   const TimeParts parts = FindTimeParts(layout, format, outline.time_column);
-  for (size_t i = 0; i < outline.is_channel.size(); ++i) {
-    if (parts.Has(static_cast<int>(i)) ||
-        static_cast<int>(i) == outline.time_column) {
-      outline.is_channel[i] = false;
-    }
+  // Short names such as "min" are those of channels beside another time.
+  outline.is_channel[static_cast<size_t>(outline.time_column)] = false;
+  outline.time_parts = parts.Columns();
+  for (const int part : outline.time_parts) {
+    outline.is_channel[static_cast<size_t>(part)] = false;
   }
-  outline.time_parts = parts.split.Columns();
   FindOtherClocks(text, layout, rows, &outline);
   return outline;
 }
 
 }  // namespace
+
+std::vector<std::string> TextOutline::UnusedTimes(
+    const std::string& time) const {
+  const auto is_time = [&](size_t i) {
+    return columns[i].name == time || columns[i].short_name == time;
+  };
+  const bool are_parts_used =
+      std::any_of(time_parts.begin(), time_parts.end(),
+                  [&](int part) { return is_time(static_cast<size_t>(part)); });
+  std::vector<std::string> names;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (is_channel[i] || is_time(i)) continue;
+    const bool is_part = std::find(time_parts.begin(), time_parts.end(),
+                                   static_cast<int>(i)) != time_parts.end();
+    const std::string& name = columns[i].short_name;
+    const bool is_named = IsNameOfTime(name) || !UnitOfClockPart(name).empty();
+    if (is_part ? !are_parts_used : is_named) names.push_back(columns[i].name);
+  }
+  return names;
+}
 
 bool ReadTextOutline(const std::string& path, const TextFormat& format,
                      TextOutline* outline, std::string* error) {

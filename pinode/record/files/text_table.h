@@ -46,8 +46,8 @@ struct TextOutline {
   std::vector<TextColumn> columns;
   // Column that is the time by its name or contents, or -1.
   int time_column = -1;
-  // Columns that make up the time together, such as hour, minute and second;
-  // empty if it is one column.
+  // Columns that make up a clock, such as hour, minute and second, or a date
+  // and a time of day; empty if the time is a column of numbers.
   std::vector<int> time_parts;
   // Other time columns that differ from it, such as `t2` beside `t1`. The
   // channels may then belong to any of the clocks.
@@ -55,6 +55,11 @@ struct TextOutline {
   // True for channels: columns that are not the time or a part of it, another
   // time, row numbers or texts.
   std::vector<bool> is_channel;
+
+  // Returns the names of columns that are no channels, because they are called
+  // as times and parts of clocks are, and no part of the time either. `time` is
+  // the column that is used as the time; empty: none.
+  std::vector<std::string> UnusedTimes(const std::string& time) const;
 };
 
 // Reads the outline of a text file.
