@@ -18,7 +18,7 @@ struct TimeOrigin {
     kNone,       // times are numbers
     kTimeOfDay,  // without a date
     kDate,
-    kDoubtfulDate,  // day and month may be exchanged
+    kDoubtfulDate,  // the order of day, month and year is open
   };
   Kind kind = Kind::kNone;
   // Seconds since 1970-01-01, or since midnight.

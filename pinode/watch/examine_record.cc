@@ -62,6 +62,14 @@ class Examination {
   }
 
  private:
+  // Returns the form of the files, with the column of the time if it is known.
+  TextFormat Format() const {
+    TextFormat format;
+    format.time_column = time_;
+    format.time_format = structure_.records.time_format;
+    return format;
+  }
+
   // Finds the names of the channels and of the time.
   bool ReadOutline(std::string* error) {
     const WatchedRecords& records = structure_.records;
@@ -69,7 +77,7 @@ class Examination {
     columns_ = records.columns;
     if (!IsTextFile(path_)) return true;
     TextOutline outline;
-    if (!ReadTextOutline(path_, {}, &outline, error)) return false;
+    if (!ReadTextOutline(path_, Format(), &outline, error)) return false;
     if (time_.empty() && records.sampling_rate_hz == 0.0 &&
         outline.time_column >= 0) {
       time_ = outline.columns[static_cast<size_t>(outline.time_column)].name;
@@ -124,11 +132,8 @@ class Examination {
         wanted.push_back(covariate.column);
       }
     }
-    TextFormat format;
-    if (!time_.empty()) {
-      wanted.push_back(time_);
-      format.time_column = time_;
-    }
+    const TextFormat format = Format();
+    if (!time_.empty()) wanted.push_back(time_);
     if (!ReadTable(path_, wanted, format, &table_, error)) return false;
     for (const WatchedCovariate& covariate : structure_.covariates) {
       if (!covariate.file.empty() || !IsPresent(covariate.column)) continue;
@@ -161,10 +166,11 @@ class Examination {
     }
     *error = path_ +
              (table_.time_origin.kind == TimeOrigin::Kind::kDoubtfulDate
-                  ? ": day and month may be exchanged in its dates"
-                  : ": it has no clock times with dates") +
-             "; set `time_in_name` in [records], so that its name says when it "
-             "begins";
+                  ? ": the order of day, month and year is open in its dates; "
+                    "set `time_format` in [records], such as \"%d.%m.%y "
+                    "%H:%M:%S\", or `time_in_name`"
+                  : ": it has no clock times with dates; set `time_in_name` in "
+                    "[records], so that its name says when it begins");
     return false;
   }
 
@@ -222,6 +228,7 @@ class Examination {
     file.quantities =
         quantities_.empty() ? structure_.records.quantities : quantities_;
     file.time_column = structure_.records.time_column;
+    file.format.time_format = structure_.records.time_format;
     file.sampling_rate_hz = structure_.records.sampling_rate_hz;
     ModesCase c;
     ModesOfRecord found;

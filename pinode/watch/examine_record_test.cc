@@ -9,6 +9,7 @@
 #include <random>
 
 #include "pinode/base/file.h"
+#include "pinode/base/strings.h"
 
 namespace pinode {
 namespace {
@@ -129,6 +130,20 @@ TEST_F(ExamineRecordTest, TakesTheTimeFromTheName) {
   EXPECT_EQ(record.time, 19783.0 * 86400.0 + 43200.0);
   structure_.records.time_in_name = "h_%Y";
   EXPECT_NE(Examine(path).refusal.find("rename the file"), std::string::npos);
+}
+
+TEST_F(ExamineRecordTest, OrderOfTheDateByTheFormat) {
+  const std::string path = Write("x.csv", true);
+  std::string content, error;
+  ASSERT_TRUE(ReadBinaryFile(path, &content, &error)) << error;
+  ReplaceAll("2024-03-01", "01.03.24", &content);
+  std::ofstream(path) << content;
+  EXPECT_NE(Examine(path).refusal.find("set `time_format` in [records]"),
+            std::string::npos);
+  structure_.records.time_format = "%d.%m.%y %H:%M:%S";
+  const StoredRecord record = Examine(path);
+  EXPECT_EQ(record.refusal, "");
+  EXPECT_EQ(record.time, 19783.0 * 86400.0 + 43200.0);
 }
 
 TEST_F(ExamineRecordTest, SaysWhichChannelIsAbsent) {

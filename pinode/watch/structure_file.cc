@@ -84,6 +84,7 @@ class StructureFileReader {
     if (table.Has("columns")) records.columns = table.Strings("columns");
     records.quantities = table.Strings("quantities");
     records.time_column = table.String("time");
+    records.time_format = table.String("time_format");
     records.sampling_rate_hz = table.PositiveNumber("sampling_rate_hz", 0.0);
     records.time_in_name = table.String("time_in_name");
     if (!errors_.ok()) return;
@@ -101,6 +102,11 @@ class StructureFileReader {
       table.Fail("sampling_rate_hz",
                  "time and sampling_rate_hz are both given, expected one of "
                  "them");
+    }
+    if (records.sampling_rate_hz > 0.0 && !records.time_format.empty()) {
+      table.Fail("sampling_rate_hz",
+                 "time_format and sampling_rate_hz are both given, expected "
+                 "one of them");
     }
     // A file without a column of the time has no clock times either.
     if (records.sampling_rate_hz > 0.0 && records.time_in_name.empty()) {

@@ -21,6 +21,8 @@ struct WatchedRecords {
   std::vector<std::string> columns = {"all"};
   std::vector<std::string> quantities;
   std::string time_column;
+  // Format of strptime of the clock times in the files. Empty: found.
+  std::string time_format;
   double sampling_rate_hz = 0.0;
   // Format of strptime by which the name of a file, without its extension,
   // gives the time of its first sample. Empty: the clock times of the file.

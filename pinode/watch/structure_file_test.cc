@@ -30,6 +30,7 @@ pattern = "*.gz"
 columns = ["a", "b"]
 quantities = ["velocity"]
 time = "t"
+time_format = "%d.%m.%y"
 time_in_name = "%Y"
 [[covariate]]
 name = "T"
@@ -64,6 +65,7 @@ clear_days = 3
   EXPECT_EQ(s.records.columns, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(s.records.quantities, (std::vector<std::string>{"velocity"}));
   EXPECT_EQ(s.records.time_column, "t");
+  EXPECT_EQ(s.records.time_format, "%d.%m.%y");
   EXPECT_EQ(s.records.time_in_name, "%Y");
   ASSERT_EQ(s.covariates.size(), 2u);
   EXPECT_EQ(s.covariates[0].column, "T");
@@ -109,6 +111,10 @@ TEST(StructureFile, RefusesInOneLine) {
             std::string::npos);
   EXPECT_NE(ErrorOf(least + "[records]\nsampling_rate_hz = 10\n")
                 .find("time_in_name"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(least + "[records]\nsampling_rate_hz = 10\n"
+                            "time_in_name = \"%Y\"\ntime_format = \"%H\"\n")
+                .find("time_format and sampling_rate_hz are both given"),
             std::string::npos);
   EXPECT_NE(ErrorOf(least + "[records]\npattern = \"a/*.csv\"\n")
                 .find("expected names of files"),

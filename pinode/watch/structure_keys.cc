@@ -6,30 +6,35 @@ namespace pinode {
 namespace {
 
 CaseTable RecordsKeys() {
-  return {"records",
-          "[records]",
-          "",
-          {
-              {"folder", "text", "a folder", "\".\"",
-               "Folder of the records, relative to the structure file."},
-              {"pattern", "text", "a shell pattern", "\"*.csv\"",
-               "Names of the records in the folder."},
-              {"columns", "texts", "", "all but the time and the covariates",
-               "Columns of the sensors. Name them if a file has other "
-               "columns."},
-              {"quantities", "texts", "one for all or one for each",
-               "`[\"acceleration\"]`",
-               "`acceleration`, `velocity`, `displacement` or `strain`."},
-              {"time", "text", "a column", "found by its name",
-               "Column of the time."},
-              {"sampling_rate_hz", "number", "Hz", "that of the times",
-               "Rate of files without a column of the time."},
-              {"time_in_name", "text", "as strptime has it",
-               "clock times in the file",
-               "Form of the names without their extension, such as "
-               "`girder_%Y%m%d_%H%M`. The time is that of the first sample, in "
-               "UTC."},
-          }};
+  return {
+      "records",
+      "[records]",
+      "",
+      {
+          {"folder", "text", "a folder", "\".\"",
+           "Folder of the records, relative to the structure file."},
+          {"pattern", "text", "a shell pattern", "\"*.csv\"",
+           "Names of the records in the folder."},
+          {"columns", "texts", "", "all but the time and the covariates",
+           "Columns of the sensors. Name them if a file has other "
+           "columns."},
+          {"quantities", "texts", "one for all or one for each",
+           "`[\"acceleration\"]`",
+           "`acceleration`, `velocity`, `displacement` or `strain`."},
+          {"time", "text", "a column", "found by its name",
+           "Column of the time."},
+          {"time_format", "text", "as strptime has it", "found from the text",
+           "Form of the clock times, such as `%d.%m.%y %H:%M:%S`, with "
+           "`%f` for a fraction. Needed where day, month or year may come "
+           "first."},
+          {"sampling_rate_hz", "number", "Hz", "that of the times",
+           "Rate of files without a column of the time."},
+          {"time_in_name", "text", "as strptime has it",
+           "clock times in the file",
+           "Form of the names without their extension, such as "
+           "`girder_%Y%m%d_%H%M`. The time is that of the first sample, in "
+           "UTC."},
+      }};
 }
 
 CaseTable CovariateKeys() {

@@ -282,8 +282,8 @@ bool RecordFiles::AlignClocks(const SignalSection& signal, const Source& file,
   if (own.kind == Kind::kDoubtfulDate || base.kind == Kind::kDoubtfulDate) {
     return signal.table.Fail(
         "file",
-        "day and month of a clock time may be exchanged, here or in the "
-        "record's file; set `time_format` in the record");
+        "the order of day, month and year is open in its dates or in those of "
+        "the record's file; set `time_format` in the record");
   }
   if (own.kind != base.kind) {
     return signal.table.Fail("file",

@@ -281,6 +281,28 @@ bool AreEven(const std::vector<double>& seconds) {
   return steps.back() <= kLargestEvenStep * steps[(steps.size() - 1) / 2];
 }
 
+// True if no step is as long as a day, forwards or back. Another order of the
+// dates makes a month or a year of a midnight.
+bool AreWithoutADay(const std::vector<double>& seconds) {
+  for (size_t i = 1; i < seconds.size(); ++i) {
+    if (std::abs(seconds[i] - seconds[i - 1]) >= kSecondsOfDay) return false;
+  }
+  return true;
+}
+
+// Returns the place of the only order whose times `is_likely` accepts; -1 if
+// there is none or several.
+int OnlyLikely(const std::vector<std::pair<Order, ClockColumn>>& kept,
+               bool (*is_likely)(const std::vector<double>& seconds)) {
+  int found = -1;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (!is_likely(kept[i].second.seconds)) continue;
+    if (found >= 0) return -1;
+    found = static_cast<int>(i);
+  }
+  return found;
+}
+
 // Parses the fraction that follows the seconds of `text`, which are behind
 // the last colon.
 bool ParseWithStrptime(const std::string& format, const std::string& text,
@@ -413,12 +435,9 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
   }
   bool certain = kept.size() == 1;
   if (!same) {
-    std::vector<std::pair<Order, ClockColumn>> even;
-    for (auto& candidate : kept) {
-      if (AreEven(candidate.second.seconds))
-        even.push_back(std::move(candidate));
-    }
-    if (even.size() != 1) {
+    int likely = OnlyLikely(kept, AreWithoutADay);
+    if (likely < 0) likely = OnlyLikely(kept, AreEven);
+    if (likely < 0) {
       *error =
           "has its day, month and year in an open order, and the times are not "
           "the same; set "
@@ -426,7 +445,7 @@ bool ResolveClock(const std::vector<ClockCell>& cells, ClockColumn* column,
       *bad_row = 0;
       return false;
     }
-    kept = std::move(even);
+    std::swap(kept[0], kept[static_cast<size_t>(likely)]);
     certain = true;
   }
   *column = std::move(kept[0].second);

@@ -57,8 +57,9 @@ struct ClockColumn {
 
 // Finds the order of the dates and the seconds since the first row. All cells
 // must be of one kind. Where several orders are possible and the times differ,
-// the one is taken whose steps are even; if none or several are, *error asks
-// for `time_format`. `bad_row` is the row of an error, or -1.
+// the one is taken whose steps are all shorter than a day, else the one whose
+// steps are even. If none or several are, *error asks for `time_format`.
+// `bad_row` is the row of an error, or -1.
 [[nodiscard]] bool ResolveClock(const std::vector<ClockCell>& cells,
                                 ClockColumn* column, int64_t* bad_row,
                                 std::string* error);

@@ -82,6 +82,21 @@ TEST(ClockTest, FindsTheOrderOfDates) {
       {"03/04/2024 23:59:58", "03/04/2024 23:59:59", "04/04/2024 00:00:00"});
   EXPECT_EQ(even.seconds[2], 2.0);
   EXPECT_TRUE(even.is_order_certain);
+  // A pause of ten minutes over midnight, in each form.
+  for (const char* date : {"0%.03.24", "24.03.0%", "0%/03/2024", "0%/03/24"}) {
+    std::vector<std::string> texts;
+    for (const char* time : {"1 23:55:00.0", "1 23:55:00.5", "1 23:55:01.0",
+                             "2 00:05:01.0", "2 00:05:01.5"}) {
+      std::string text = std::string(date) + (time + 1);
+      text.replace(text.find('%'), 1, 1, time[0]);
+      texts.push_back(text);
+    }
+    const ClockColumn pause = Resolved(texts);
+    ASSERT_EQ(pause.seconds.size(), 5u);
+    EXPECT_EQ(pause.seconds[4], 601.5) << date;
+    EXPECT_NEAR(pause.origin, kNoon + 42900.0, 1e-6) << date;
+    EXPECT_TRUE(pause.is_order_certain) << date;
+  }
   // One day: the order makes no difference.
   EXPECT_FALSE(Resolved({"03/04/2024 10:00:00", "03/04/2024 10:00:01"})
                    .is_order_certain);
