@@ -14,6 +14,8 @@ namespace {
 // Years of measurements; two digits are read as in dates.
 constexpr int kFirstYear = 1900;
 constexpr int kLastYear = 2200;
+// Hours without a date may have elapsed since the start.
+constexpr int kMostHours = 9999;
 
 enum class Part { kNone, kDate, kYear, kMonth, kDay, kDoy, kHour, kMin, kSec };
 
@@ -322,7 +324,7 @@ bool ParseClockParts(const std::vector<std::string_view>& cells,
   double second = 0.0;
   double fraction = 0.0;
   if (!ParseDate(parts, &reader, cell) ||
-      !reader.Whole(parts.hour, 0, 23, &hour) ||
+      !reader.Whole(parts.hour, 0, cell->has_date ? 23 : kMostHours, &hour) ||
       !reader.Whole(parts.minute, 0, 59, &minute) ||
       !reader.Number(parts.second, 60.0, &second)) {
     return false;

@@ -133,6 +133,61 @@ TEST(ClockPartsTest, ShortNamesBesideAnotherTime) {
   EXPECT_THAT(outline.UnusedTimes("a"), ElementsAre("hh", "mm", "ss"));
 }
 
+// Hours without a date may have elapsed since the start.
+TEST(ClockPartsTest, ElapsedHours) {
+  Table table;
+  TextOutline outline;
+  std::string error;
+  ASSERT_TRUE(
+      ReadByOutline("Hour;Minute;Second;a\n23;59;59.9;3\n23;59;59.95;3"
+                    "\n24;0;0.0;1\n24;0;0.05;2\n",
+                    &table, &outline, &error))
+      << error;
+  EXPECT_NEAR(table.values(3, 0), 0.15, 1e-9);
+  ASSERT_TRUE(ReadByOutline("Hour;Minute;Second;a\n120;0;0;3\n120;0;0.5;3\n",
+                            &table, &outline, &error))
+      << error;
+  EXPECT_NEAR(table.values(1, 0), 0.5, 1e-9);
+  // Hours that have passed a day do not start anew at midnight.
+  ASSERT_TRUE(
+      ReadByOutline("Hour;Minute;Second;a\n47;59;59;3\n47;59;59.5;3\n"
+                    "24;0;0;1\n24;0;0.5;2\n",
+                    &table, &outline, &error))
+      << error;
+  EXPECT_LT(table.values(2, 0), 0.0);
+}
+
+// A part that counts on is the whole time by two keys, which are named.
+TEST(ClockPartsTest, PartsThatCountOn) {
+  struct Counter {
+    std::string header;
+    std::string rows;
+    const char* name;
+    const char* unit;
+  };
+  for (const Counter& counter :
+       {Counter{"Hour,Minute,Second,a",
+                "0,0,59.98,1\n0,1,60.00,2\n0,1,60.02,3\n0,1,60.04,1\n",
+                "Second", "s"},
+        {"Hour,Minute,Second,ms,a",
+         "0,0,0,980,1\n0,0,1,1000,2\n0,0,1,1020,3\n0,0,1,1040,1\n", "ms",
+         "ms"}}) {
+    const std::string text = counter.header + "\n" + counter.rows;
+    EXPECT_THAT(Error(text),
+                HasSubstr("set `time = \"" + std::string(counter.name) +
+                          "\"` and `time_unit = \"" + counter.unit + "\"`"));
+    TextFormat format;
+    format.time_column = counter.name;
+    format.time_unit = counter.unit;
+    Table table;
+    std::string error;
+    ASSERT_TRUE(ParseTextTable(text, "r.csv", {counter.name, "a"}, format,
+                               &table, &error))
+        << error;
+    EXPECT_EQ(table.time_unit, counter.unit);
+  }
+}
+
 // Any part names the clock.
 TEST(ClockPartsTest, AnyPartIsTheTime) {
   const std::string text =
@@ -207,7 +262,7 @@ TEST(ClockPartsTest, RefusesPartsThatCannotBe) {
               std::string(bad.row) + "\n2024,61,12,0,0.5,2\n");
     EXPECT_THAT(error, HasSubstr("r.csv:3: "));
     EXPECT_THAT(error, HasSubstr(bad.message));
-    EXPECT_THAT(error, HasSubstr("`time_unit`"));
+    EXPECT_THAT(error, HasSubstr("`time_unit"));
   }
   EXPECT_THAT(
       Error("Year,Month,Day,DOY,Hour,Minute,Second,a\n"

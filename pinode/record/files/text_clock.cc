@@ -12,6 +12,7 @@ namespace pinode {
 namespace {
 
 constexpr double kMidnight = 86400.0;  // s
+constexpr double kLeapSecond = 1.0;    // s
 
 // Finds the date of a column of times of day, or the other way round: beside
 // it, else the only one of the file if its name is that of one.
@@ -188,9 +189,8 @@ bool TextClock::Add(const std::vector<std::string_view>& cells, char decimal,
       return true;
     }
     *error = "column '" + NameOf(bad) + "': " + what + ". " + NamesOfParts() +
-             " are read as one clock by their names. Set `time` to the column "
-             "of the whole time and `time_unit` to its unit, or give "
-             "`sampling_rate_hz`";
+             " are read as one clock by their names. " + RemedyFor(bad) +
+             ", or give `sampling_rate_hz`";
   } else {
     std::string what;
     if (Parse(cells, decimal, &clock_.back(), &what)) return true;
@@ -203,6 +203,23 @@ bool TextClock::Add(const std::vector<std::string_view>& cells, char decimal,
   }
   clock_.pop_back();
   return false;
+}
+
+std::string TextClock::RemedyFor(int column) const {
+  const ClockParts& parts = parts_.split;
+  const double fraction = parts.fraction_in_seconds;
+  const std::string unit = column == parts.hour       ? "h"
+                           : column == parts.minute   ? "min"
+                           : column == parts.second   ? "s"
+                           : column != parts.fraction ? ""
+                           : fraction == 1e-3         ? "ms"
+                           : fraction == 1e-6         ? "us"
+                                                      : "ns";
+  return unit.empty()
+             ? "Set `time` to the column of the whole time and "
+               "`time_unit` to its unit"
+             : "If that one is the whole time, set `time = \"" +
+                   NameOf(column) + "\"` and `time_unit = \"" + unit + "\"`";
 }
 
 std::string TextClock::NamesOfParts() const {
@@ -237,8 +254,14 @@ bool TextClock::Finish(Vector* times, TimeOrigin* origin, std::string* said,
   *times = Eigen::Map<const Vector>(
       column.seconds.data(), static_cast<Eigen::Index>(column.seconds.size()));
   double range = 0.0;
-  // Times of day start anew at midnight.
-  if (!column.is_dated) UnwrapCounter({kMidnight}, *times, &range);
+  // Times of day start anew at midnight, elapsed times do not.
+  const bool is_elapsed =
+      std::any_of(clock_.begin(), clock_.end(), [](const ClockCell& cell) {
+        return cell.seconds >= kMidnight + kLeapSecond;
+      });
+  if (!column.is_dated && !is_elapsed) {
+    UnwrapCounter({kMidnight}, *times, &range);
+  }
   origin->seconds = column.origin;
   origin->kind = !column.is_dated          ? TimeOrigin::Kind::kTimeOfDay
                  : column.is_order_certain ? TimeOrigin::Kind::kDate

@@ -70,6 +70,8 @@ class TextClock {
   bool Parse(const std::vector<std::string_view>& cells, char decimal,
              ClockCell* cell, std::string* what) const;
   std::string NamesOfParts() const;
+  // Says which keys help if a part of the clock cannot be one.
+  std::string RemedyFor(int column) const;
 
   const TextLayout& layout_;
   const TextFormat& format_;
