@@ -45,7 +45,7 @@ TEST(ColumnScalesTest, NumbersInPlaceOfText) {
   EXPECT_FALSE(scales.Set(0.0, {}, &error));
   EXPECT_FALSE(scales.Set(1.0, {{"a", std::nan("")}}, &error));
   EXPECT_THAT(error, HasSubstr("not finite"));
-  // What was set before stays.
+  // Factors that were set before stay.
   EXPECT_EQ(scales.FactorOf("c"), 2.0);
 }
 

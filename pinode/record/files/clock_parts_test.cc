@@ -290,6 +290,18 @@ TEST(ClockPartsTest, HalvesOfTheDay) {
   EXPECT_THAT(Error("Time,Half,a\n10:59:59.0,p.m.,1\n10:59:59.5,p.m.,2\n"
                     "11:00:00.0,p.m.,3\n"),
               HasSubstr("`sampling_rate_hz`"));
+  // A state of another kind: beside an hour above 12, or away from the time.
+  for (const char* text :
+       {"Time,state,a\n14:30:00.0,PM,1\n14:30:00.5,PM,2\n14:30:01.0,AM,3\n",
+        "Time,a,state\n10:30:00.0,1,PM\n10:30:00.5,2,PM\n10:30:01.0,3,AM\n",
+        "Hour,Minute,Second,a,state\n10,3,0,1,PM\n10,3,1,2,PM\n10,3,2,3,AM"
+        "\n"}) {
+    Table table;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadByOutline(text, &table, &outline, &error)) << error;
+    EXPECT_GT(table.values(1, 0), 0.4);
+  }
 }
 
 // A fraction in two columns would count twice.

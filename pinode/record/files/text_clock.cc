@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kMidnight = 86400.0;  // s
 constexpr double kLeapSecond = 1.0;    // s
+// Hours that count to 12 end before.
+constexpr double kAfterNoon = 13.0 * 3600.0;
 
 // Finds the date of a column of times of day, or the other way round: beside
 // it, else the only one of the file if its name is that of one.
@@ -175,6 +177,27 @@ bool TextClock::Parse(const std::vector<std::string_view>& cells, char decimal,
   }
   cell->seconds += fraction * parts_.fraction_in_seconds;
   return true;
+}
+
+bool TextClock::HasHalfBeside(const std::vector<std::string_view>& cells,
+                              char decimal) {
+  std::vector<std::string_view> beside;
+  for (const int part : parts_.Columns()) {
+    for (const int i : {part - 1, part + 1}) {
+      if (i >= 0 && static_cast<size_t>(i) < cells.size()) {
+        beside.push_back(cells[static_cast<size_t>(i)]);
+      }
+    }
+  }
+  std::string unused;
+  if (!HasHalfOfDay(beside) ||
+      cells.size() <= static_cast<size_t>(parts_.Last()) ||
+      !Add(cells, decimal, &unused)) {
+    return false;
+  }
+  const double seconds = clock_.back().seconds;
+  clock_.pop_back();
+  return seconds < kAfterNoon;
 }
 
 bool TextClock::Add(const std::vector<std::string_view>& cells, char decimal,

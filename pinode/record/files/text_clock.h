@@ -53,6 +53,10 @@ class TextClock {
   // Forgets all rows, and makes room for some.
   void Clear(size_t num_rows);
 
+  // True if a cell beside the time says AM or PM, and the hour of the row is 12
+  // at most. Columns of other states may be called so.
+  bool HasHalfBeside(const std::vector<std::string_view>& cells, char decimal);
+
   // Adds the time of a row. The cells must reach to the last part. Fails with a
   // sentence that begins with the column's name.
   [[nodiscard]] bool Add(const std::vector<std::string_view>& cells,

@@ -234,7 +234,7 @@ class TextTableReader {
   bool CheckHalves(std::string_view line, int64_t line_number) {
     if (!IsClock() ||
         !SplitCells(line, layout_.delimiter, &cells_, &storage_) ||
-        !HasHalfOfDay(cells_)) {
+        !clock_->HasHalfBeside(cells_, layout_.decimal)) {
       return true;
     }
     return Fail(line_number,

@@ -130,10 +130,24 @@ std::string NextWord(std::string_view line, size_t* at) {
   return LowerCase(line.substr(begin, *at - begin));
 }
 
+// True if a unit of the time ends at `end`: in brackets, behind "in" or "unit",
+// or as the last word. Others are words beside: "(ms resolution)".
+bool IsWholeUnit(std::string_view line, size_t begin, size_t end,
+                 bool is_behind_in) {
+  const std::string_view before = StripBlanks(line.substr(0, begin));
+  const std::string_view after = StripBlanks(line.substr(end));
+  if (after.empty() || is_behind_in) {
+    return after.empty() || after.find_first_of(",;.)]\"") == 0;
+  }
+  return !before.empty() && ((before.back() == '[' && after.front() == ']') ||
+                             (before.back() == '(' && after.front() == ')'));
+}
+
 // Returns "ms" for "time in ms" and the like; empty for other lines.
 std::string SmallUnitOfTime(std::string_view line) {
   size_t at = 0;
   bool is_time = false;
+  bool is_behind_in = false;
   while (at < line.size()) {
     const std::string word = NextWord(line, &at);
     if (word.empty()) {
@@ -143,15 +157,16 @@ std::string SmallUnitOfTime(std::string_view line) {
       continue;
     }
     const std::string unit = CanonicalUnit(word);
-    if (is_time && (unit == "ms" || unit == "us" || unit == "ns")) {
+    if (is_time && (unit == "ms" || unit == "us" || unit == "ns") &&
+        IsWholeUnit(line, at - word.size(), at, is_behind_in)) {
       // "Sampling time [ms]: 10" is a step.
       return line.find_first_of("0123456789", at) == std::string_view::npos
                  ? unit
                  : "";
     }
-    const bool is_between =
+    is_behind_in =
         word == "in" || word == "unit" || word == "units" || word == "einheit";
-    is_time = IsNameOfTime(word) || (is_time && is_between);
+    is_time = IsNameOfTime(word) || (is_time && is_behind_in);
   }
   return "";
 }

@@ -87,7 +87,8 @@ TEST(TextTimeTest, PartsOfADayAreNoSeconds) {
 TEST(TextTimeTest, UnitAboveTheNames) {
   Table table;
   for (const char* line : {"# time in ms", "Time unit: ms", "Zeit [\u00B5s]",
-                           "# Time (msec)", "X unit: none, time: ns"}) {
+                           "# Time (msec)", "X unit: none, time: ns",
+                           "# Time in ms, acceleration in g", "Time [ ms ]"}) {
     const std::string error = Read(
         TextOf("# Rate: 100 Hz\n" + std::string(line) + "\nt,a\n", 0.0, 0.4),
         {}, &table);
@@ -96,7 +97,9 @@ TEST(TextTimeTest, UnitAboveTheNames) {
   }
   for (const char* line :
        {"# time in s", "# Sampling time: 10 ms", "# Sampling time [ms]: 10",
-        "# Start time 12:00, range 5 mg", "# ms", "# timer; ms"}) {
+        "# Start time 12:00, range 5 mg", "# ms", "# timer; ms",
+        "# Start time (ms resolution)", "# t: time, ms: strain",
+        "# Zero time, us standard"}) {
     EXPECT_EQ(Read(TextOf(std::string(line) + "\nt,a\n", 0.0, 0.4), {}, &table),
               "")
         << line;
