@@ -144,6 +144,21 @@ TEST(LoggerFilesTest, ScaleOfAChannel) {
                             "unit = \"g\"\n  scale = 1.02\n")));
   EXPECT_THAT(corrected.problem.records[0].description.remarks,
               Not(Contains(HasSubstr("the file says"))));
+  // A factor between units does not correct a sensor.
+  const Case twice = ReadOrFail(folder.Write(
+      "case.toml", Replaced(text, "unit = \"mg\"\n  scale = 1000\n",
+                            "unit = \"g\"\n  scale = 9.81\n")));
+  EXPECT_THAT(twice.problem.records[0].description.remarks,
+              Contains(HasSubstr("the file says g, the case says g with scale "
+                                 "= 9.81. pinode uses the unit and the scale "
+                                 "of the case. Set `unit = \"g\"` without "
+                                 "`scale` if")));
+  // Factors that were rounded agree.
+  const Case rounded = ReadOrFail(folder.Write(
+      "case.toml", Replaced(text, "unit = \"mg\"\n  scale = 1000\n",
+                            "unit = \"mm/s^2\"\n  scale = 9806.651\n")));
+  EXPECT_THAT(rounded.problem.records[0].description.remarks,
+              Not(Contains(HasSubstr("the file says"))));
   Case bad;
   std::string error;
   EXPECT_FALSE(ReadCase(

@@ -20,6 +20,8 @@ namespace {
 // Largest number of samples. A larger one is probably a typing error, and would
 // take days.
 constexpr double kMostSamples = 1e8;
+// Relative difference of factors that a user may have rounded.
+constexpr double kEqualUnits = 1e-6;
 
 // Returns the files that a record names, with the requested columns of tables.
 std::map<std::string, std::vector<std::string>> FilesOf(
@@ -253,21 +255,28 @@ void RecordFiles::CompareUnits(const SignalSection& signal,
   double in_file = 0.0;
   double in_case = 0.0;
   std::string error;
+  // A scale near 1 corrects a sensor; others convert units.
+  const double size = std::abs(signal.scale);
+  const bool is_correction = size > 0.5 && size < 2.0;
   const bool same =
       dimension == signal.dimension &&
       UnitFactor(stated, dimension, units_, &in_file, &error) &&
       UnitFactor(signal.unit, dimension, units_, &in_case, &error) &&
-      (std::abs(in_file / in_case - 1.0) < 1e-9 ||
-       std::abs(in_file / std::abs(in_case * signal.scale) - 1.0) < 1e-9);
+      ((is_correction && std::abs(in_file / in_case - 1.0) < 1e-9) ||
+       std::abs(in_file / (in_case * size) - 1.0) < kEqualUnits);
   // The scale of a voltage is the sensitivity of its sensor.
   const bool is_sensitivity = dimension == Dimension::kVoltage &&
                               dimension != signal.dimension &&
                               signal.scale != 1.0;
   if (same || is_sensitivity) return;
-  remarks_.push_back(signal.label + ": the file says " + stated +
-                     ", the case says " + signal.unit +
-                     ". pinode uses the unit of the case. Set `unit = \"" +
-                     stated + "\"` if the file is right.");
+  const bool is_scaled = signal.scale != 1.0;
+  remarks_.push_back(
+      signal.label + ": the file says " + stated + ", the case says " +
+      signal.unit +
+      (is_scaled ? " with scale = " + FormatNumber(signal.scale, 7) : "") +
+      ". pinode uses the unit" + (is_scaled ? " and the scale" : "") +
+      " of the case. Set `unit = \"" + stated + "\"`" +
+      (is_correction ? "" : " without `scale`") + " if the file is right.");
 }
 
 // Finds how much later than that of the record's file the zero of another
