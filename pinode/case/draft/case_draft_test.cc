@@ -21,6 +21,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // Returns a logger's file of two floors of 1 t on storeys of 400 kN/m, shaken
 // by some sines: time in ms, the base, the floors, a temperature. `turned`:
@@ -105,6 +106,18 @@ class CaseDraftTest : public ::testing::Test {
   TemporaryFolder folder_;
   DraftRequest request_;
 };
+
+// A factor as the user gave it agrees with the unit of the file.
+TEST_F(CaseDraftTest, ScaleKeepsItsDigits) {
+  std::string error;
+  request_.unit = "ft/s^2";
+  ASSERT_TRUE(request_.time.scales.Set(9.80665e-3 / 0.3048, {}, &error));
+  const CaseDraft draft = DraftOrFail()[0];
+  EXPECT_THAT(CaseDraftText(draft, "pinode_new"),
+              HasSubstr("scale     = 0.0321740485564304"));
+  EXPECT_THAT(ReadBack(draft).problem.records[0].description.remarks,
+              Not(Contains(HasSubstr("the file says"))));
+}
 
 TEST_F(CaseDraftTest, CaseSaysWhatTheFilesAndTheUserSay) {
   const CaseDraft draft = DraftOrFail()[0];

@@ -39,8 +39,8 @@ std::string TomlText(const std::string& value) {
   return std::string(StripBlanks(text));
 }
 
-std::string TomlNumber(double value) {
-  std::string text = FormatNumber(value, 7);
+std::string TomlNumber(double value, int digits = 7) {
+  std::string text = FormatNumber(value, digits);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
 }
@@ -288,7 +288,7 @@ void AddSignal(const DraftSignal& signal, std::string* out) {
   AppendLine("  unit      = " + TomlText(signal.unit),
              signal.unit_is_stated ? "as the file states" : "as given", out);
   if (signal.scale != 1.0) {
-    AppendLine("  scale     = " + TomlNumber(signal.scale),
+    AppendLine("  scale     = " + TomlNumber(signal.scale, 15),
                "factor on the column's numbers, as given", out);
   }
   if (signal.is_upside_down) {
