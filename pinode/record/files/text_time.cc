@@ -46,6 +46,11 @@ constexpr double kLargestStepOfEpoch = 60.0;
 // Parts of a day as spreadsheets count them are below 1. Read as seconds, no
 // logger of vibration has such a rate, in Hz.
 constexpr double kHighestLoggerRate = 200e3;
+// Records in seconds begin near 0; those in parts of a day anywhere. The times
+// begin late after this many steps, and then steps below the limit are few
+// seconds of a day.
+constexpr double kLateSteps = 100.0;
+constexpr double kLargestStepOfLate = 1e-4;
 
 // Seconds between 59 and the next minute, and the next hour, of numbers such as
 // 125959 that are written without signs between.
@@ -92,12 +97,23 @@ bool ArePackedClocks(const Eigen::Ref<const Vector>& times, Eigen::Index* row) {
   return false;
 }
 
+// True for times between 0 and 1 that may be parts of a day.
+bool MayBePartsOfADay(const Eigen::Ref<const Vector>& times) {
+  Eigen::Index last = times.size() - 1;
+  while (last > 0 && !std::isfinite(times[last])) --last;
+  if (!(times[0] >= 0.0 && times[last] > times[0] && times[last] <= 1.0)) {
+    return false;
+  }
+  const double step = MedianStep(times);
+  const bool is_late = times[0] > kLateSteps * step;
+  return step * kHighestLoggerRate < 1.0 ||
+         (is_late && step < kLargestStepOfLate);
+}
+
 // Why numbers without a unit are not read as seconds; empty: they are.
 std::string WhyNoSeconds(const Eigen::Ref<const Vector>& times,
                          const std::string& name) {
-  const double last = times[times.size() - 1];
-  if (times[0] >= 0.0 && last > times[0] && last <= 1.0 &&
-      MedianStep(times) * kHighestLoggerRate < 1.0) {
+  if (MayBePartsOfADay(times)) {
     return "column '" + name +
            "' may be parts of a day (as in spreadsheets) or seconds; set "
            "`time_unit` to \"day\" or \"s\", or give `sampling_rate_hz`";

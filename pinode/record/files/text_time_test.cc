@@ -80,6 +80,16 @@ TEST(TextTimeTest, PartsOfADayAreNoSeconds) {
   format.time_unit = "day";
   EXPECT_EQ(Read(text, format, &table), "");
   EXPECT_EQ(table.time_unit, "day");
+  // Down to a step of 8 s, and with a last time that is missing.
+  for (const double step : {0.5, 1.0, 8.0}) {
+    EXPECT_THAT(Read(TextOf("t,a\n", 0.5, step / 86400.0), {}, &table),
+                HasSubstr("parts of a day"))
+        << step;
+  }
+  EXPECT_THAT(Read(text + ",0.5\n", {}, &table), HasSubstr("parts of a day"));
+  // Shocks that begin some steps after 0, and slower rates.
+  EXPECT_EQ(Read(TextOf("t,a\n", 1e-3, 2e-5), {}, &table), "");
+  EXPECT_EQ(Read(TextOf("t,a\n", 0.5, 2e-4), {}, &table), "");
   // Shocks at 100 kHz.
   EXPECT_EQ(Read(TextOf("t,a\n", 0.0, 1e-5), {}, &table), "");
 }
