@@ -193,7 +193,7 @@ class Analyst {
     const bool is_open =
         doubts_.other_solution && result_.estimate.explanations.empty();
     MissedMotion missed = Missed(states, is_open);
-    if (IsOfModes(problem_)) LookForMass(states.healthy, &missed);
+    if (IsOfModes(problem_)) LookForMass(states, &missed);
     std::vector<MassesInstead> masses;
     if (kinds &&
         (!FindLossesInstead(*kinds_, options_, &subjects_, &missed.loss_instead,
@@ -362,16 +362,24 @@ class Analyst {
   }
 
   // A mass may have been added, which modes hardly tell from changed stiffness.
-  void LookForMass(const std::vector<GroupState>& healthy,
-                   MissedMotion* missed) {
-    std::vector<std::string> changed;
+  void LookForMass(const Comparison& states, MissedMotion* missed) {
+    std::map<std::string, double> changed;
     for (size_t j = 0; j < groups_.size(); ++j) {
-      if (result_.estimate.groups[j].changed) changed.push_back(groups_[j]);
+      if (!result_.estimate.groups[j].changed) continue;
+      double before = 0.0;
+      for (const GroupState& state : states.healthy) {
+        before += state.values[static_cast<Eigen::Index>(j)] /
+                  static_cast<double>(states.healthy.size());
+      }
+      const double change = result_.estimate.groups[j].change;
+      changed[groups_[j]] =
+          before +
+          (states.options.absolute[j] ? change : (1.0 + before) * change);
     }
     if (changed.empty()) return;
     const std::string mass =
         MassInstead(problem_, identification_, fit_of_new_.model, groups_,
-                    healthy, changed, &inner_);
+                    states.healthy, changed, &inner_);
     if (mass.empty()) return;
     for (size_t j = 0; j < groups_.size(); ++j) {
       missed->mass_instead.push_back(result_.estimate.groups[j].changed);

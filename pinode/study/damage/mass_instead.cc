@@ -1,6 +1,5 @@
 #include "pinode/study/damage/mass_instead.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -24,12 +23,10 @@ struct Kept {
 
 std::vector<Kept> KeptGroups(const std::vector<std::string>& groups,
                              const std::vector<GroupState>& healthy,
-                             const std::vector<std::string>& changed) {
+                             const std::map<std::string, double>& changed) {
   std::vector<Kept> kept;
   for (size_t j = 0; j < groups.size(); ++j) {
-    if (std::find(changed.begin(), changed.end(), groups[j]) != changed.end()) {
-      continue;
-    }
+    if (changed.count(groups[j]) > 0) continue;
     const auto i = static_cast<Eigen::Index>(j);
     const double count = static_cast<double>(healthy.size());
     Kept one;
@@ -74,8 +71,10 @@ class Comparison {
   }
 
   // Half the squared errors of a fit with these groups kept and with `mass`, in
-  // standard deviations; infinite if there is none.
-  double Cost(const std::vector<Kept>& kept, const Suspect* mass,
+  // standard deviations; infinite if there is none. `changed`: groups that
+  // begin with these values, and all others as they are kept.
+  double Cost(const std::vector<Kept>& kept,
+              const std::map<std::string, double>& changed, const Suspect* mass,
               FitSummary* fit) {
     IdentificationProblem problem = problem_;
     std::string unused;
@@ -83,8 +82,12 @@ class Comparison {
         (mass != nullptr && !AddSuspects({*mass}, &problem, &unused))) {
       return kInfinity;
     }
-    const IdentifiedModel begin =
-        BeginFrom(ParametersByName(problem_, model_), model_, problem);
+    std::map<std::string, double> values = ParametersByName(problem_, model_);
+    if (!changed.empty()) {
+      for (const Kept& one : kept) values[one.name] = one.mean;
+      for (const auto& [name, value] : changed) values[name] = value;
+    }
+    const IdentifiedModel begin = BeginFrom(values, model_, problem);
     IdentifiedModel end;
     inner_.Run("a mass instead", problem, options_, &begin, fit, &end);
     if (fit->termination == Termination::kFailure ||
@@ -125,12 +128,12 @@ std::string MassInstead(const IdentificationProblem& problem,
                         const IdentifiedModel& model,
                         const std::vector<std::string>& groups,
                         const std::vector<GroupState>& healthy,
-                        const std::vector<std::string>& changed,
+                        const std::map<std::string, double>& changed,
                         InnerFit* inner) {
   Comparison comparison(problem, options, model, inner);
   FitSummary fit;
-  const double of_changes =
-      comparison.Cost(KeptGroups(groups, healthy, changed), nullptr, &fit);
+  const double of_changes = comparison.Cost(
+      KeptGroups(groups, healthy, changed), changed, nullptr, &fit);
   const std::vector<Kept> all = KeptGroups(groups, healthy, {});
   double best = of_changes + limits::kLogOdds;
   std::string result;
@@ -138,7 +141,7 @@ std::string MassInstead(const IdentificationProblem& problem,
     if (suspect.kind != Suspect::Kind::kMass || suspect.groups.size() != 1) {
       continue;
     }
-    const double cost = comparison.Cost(all, &suspect, &fit);
+    const double cost = comparison.Cost(all, {}, &suspect, &fit);
     if (!(cost < best)) continue;
     best = cost;
     result = Describe(suspect, fit);

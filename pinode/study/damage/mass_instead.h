@@ -4,6 +4,7 @@
 #ifndef PINODE_STUDY_DAMAGE_MASS_INSTEAD_H_
 #define PINODE_STUDY_DAMAGE_MASS_INSTEAD_H_
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,15 @@ namespace pinode {
 // `healthy`, as priors. A mass counts unless its fit has less than a twentieth
 // of the likelihood of the other one. `problem` is of modes alone (IsOfModes),
 // and `model` is its fit. `groups`: their names in the order of `healthy`.
+// `changed` has the values with which the fit of the changed groups begins:
+// with all groups free, the modes may be those of other groups, such as mirror
+// images.
 std::string MassInstead(const IdentificationProblem& problem,
                         const IdentificationOptions& options,
                         const IdentifiedModel& model,
                         const std::vector<std::string>& groups,
                         const std::vector<GroupState>& healthy,
-                        const std::vector<std::string>& changed,
+                        const std::map<std::string, double>& changed,
                         InnerFit* inner);
 
 }  // namespace pinode

@@ -198,7 +198,7 @@ TEST(ModesSearch, IsBoundedByTheDofs) {
 // The mass in place of changed groups that explains the modes. Healthy modes
 // know the stiffness to 1 %.
 std::string MassInsteadOf(const IdentificationProblem& problem,
-                          const std::vector<std::string>& changed) {
+                          const std::string& changed) {
   const Identification found = IdentifyModes(problem);
   InnerFit inner;
   std::vector<std::string> groups;
@@ -207,14 +207,14 @@ std::string MassInsteadOf(const IdentificationProblem& problem,
   }
   const GroupState healthy{SomeStiffness(), 1e-4 * Matrix::Identity(5, 5)};
   return MassInstead(problem, IdentificationOptions(), found.model, groups,
-                     {healthy}, changed, &inner);
+                     {healthy}, {{changed, SomeStiffness()[3]}}, &inner);
 }
 
 TEST(MassInstead, IsNamedWhereAMassWasAdded) {
   const IdentificationProblem problem =
       MeasuredModes(0.25, 2, SomeStiffness(), 3);
   const std::string group = problem.dynamics->groups()[3].group.name;
-  EXPECT_THAT(MassInsteadOf(problem, {group}), HasSubstr("the mass at u3"));
+  EXPECT_THAT(MassInsteadOf(problem, group), HasSubstr("the mass at u3"));
 }
 
 TEST(MassInstead, IsNoneWhereStiffnessWasLost) {
@@ -222,7 +222,7 @@ TEST(MassInstead, IsNoneWhereStiffnessWasLost) {
   alpha[3] -= 0.25;
   const IdentificationProblem problem = MeasuredModes(0.0, 0, alpha, 4);
   const std::string group = problem.dynamics->groups()[3].group.name;
-  EXPECT_EQ(MassInsteadOf(problem, {group}), "");
+  EXPECT_EQ(MassInsteadOf(problem, group), "");
 }
 
 }  // namespace
