@@ -434,6 +434,10 @@ std::string ReadingSettings(const WatchedStructure& structure) {
                      records.time_column + "; rate " +
                      FormatNumber(records.sampling_rate_hz) +
                      "; time_in_name " + records.time_in_name;
+  // Stores without the key keep their settings.
+  if (!records.time_format.empty()) {
+    text += "; time_format " + records.time_format;
+  }
   for (const WatchedCovariate& covariate : structure.covariates) {
     if (covariate.file.empty()) {
       text += "; covariate " + covariate.name + " " + covariate.column;

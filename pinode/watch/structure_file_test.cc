@@ -215,6 +215,11 @@ TEST(StructureFile, SettingsNoticeAChangeOfReading) {
   ASSERT_TRUE(ParseStructureFile(least + "[records]\ncolumns = [\"a\"]\n",
                                  "b.toml", &b, &error));
   EXPECT_NE(ReadingSettings(a), ReadingSettings(b));
+  ASSERT_TRUE(ParseStructureFile(
+      least + "[records]\ntime_format = \"%d.%m.%y %H:%M:%S\"\n", "b.toml", &b,
+      &error))
+      << error;
+  EXPECT_NE(ReadingSettings(a), ReadingSettings(b));
   ASSERT_TRUE(ParseStructureFile(least + "[modes]\n", "b.toml", &a, &error));
   ASSERT_TRUE(ParseStructureFile(least + "[modes]\nthreads = 3\n", "b.toml", &b,
                                  &error));

@@ -255,6 +255,12 @@ double FractionOfColumn(const TextColumn& column) {
   if (column.kind != CellKind::kNumber) return 0.0;
   const std::string lower = LowerCase(column.short_name);
   const std::string unit = CanonicalUnit(column.short_name);
+  // North-south and up-south are directions.
+  const bool is_direction =
+      column.short_name == "NS" || column.short_name == "US";
+  // "Frac [ms]" and "Millisec [ms]".
+  const bool begins_so =
+      lower.compare(0, 4, "frac") == 0 || lower.compare(0, 5, "milli") == 0;
   struct Fraction {
     const char* unit;
     std::array<const char*, 4> names;
@@ -267,9 +273,11 @@ double FractionOfColumn(const TextColumn& column) {
     const bool is_named =
         unit == known.unit || std::find(known.names.begin(), known.names.end(),
                                         lower) != known.names.end();
-    if (is_named && (column.unit.empty() || column.unit == known.unit)) {
+    if (is_named && !is_direction &&
+        (column.unit.empty() || column.unit == known.unit)) {
       return known.seconds;
     }
+    if (begins_so && column.unit == known.unit) return known.seconds;
   }
   return 0.0;
 }

@@ -290,6 +290,9 @@ TEST(ClockPartsTest, HalvesOfTheDay) {
   EXPECT_THAT(Error("Time,Half,a\n10:59:59.0,p.m.,1\n10:59:59.5,p.m.,2\n"
                     "11:00:00.0,p.m.,3\n"),
               HasSubstr("`sampling_rate_hz`"));
+  EXPECT_THAT(Error("Date,Time,a,AM/PM\n2024-03-01,01:30:00.0,1,PM\n"
+                    "2024-03-01,01:30:00.5,2,PM\n2024-03-01,01:30:01.0,1,PM\n"),
+              HasSubstr("AM or PM stands in a column of its own"));
   // A state of another kind: beside an hour above 12, or away from the time.
   for (const char* text :
        {"Time,state,a\n14:30:00.0,PM,1\n14:30:00.5,PM,2\n14:30:01.0,AM,3\n",
@@ -341,7 +344,19 @@ TEST(ClockPartsTest, DurationsAreNoFractions) {
         << error;
     EXPECT_NEAR(table.values(2, 0), 0.04, 1e-9);
   }
-  for (const char* name : {"ms", "Milliseconds", "msec [ms]", "MS"}) {
+  // North-south is a direction.
+  {
+    Table table;
+    TextOutline outline;
+    std::string error;
+    ASSERT_TRUE(ReadByOutline(
+        "Time,NS,a\n12:30:00,9.81,1\n12:30:01,9.82,2\n12:30:02,9.80,1\n",
+        &table, &outline, &error))
+        << error;
+    EXPECT_NEAR(table.values(2, 0), 2.0, 1e-12);
+  }
+  for (const char* name :
+       {"ms", "Milliseconds", "msec [ms]", "MS", "Fraction [ms]"}) {
     Table table;
     TextOutline outline;
     std::string error;

@@ -16,6 +16,15 @@ constexpr double kLeapSecond = 1.0;    // s
 // Hours that count to 12 end before.
 constexpr double kAfterNoon = 13.0 * 3600.0;
 
+// True for "AM/PM" and "am_pm", wherever such a column stands.
+bool IsNameOfHalf(const std::string& name) {
+  std::string letters;
+  for (const char c : LowerCase(name)) {
+    if (c != ' ' && c != '/' && c != '_') letters += c;
+  }
+  return letters == "ampm" || letters == "meridiem";
+}
+
 // Finds the date of a column of times of day, or the other way round: beside
 // it, else the only one of the file if its name is that of one.
 int FindPartner(const TextLayout& layout, int column, CellKind kind,
@@ -188,6 +197,9 @@ bool TextClock::HasHalfBeside(const std::vector<std::string_view>& cells,
         beside.push_back(cells[static_cast<size_t>(i)]);
       }
     }
+  }
+  for (size_t i = 0; i < layout_.columns.size() && i < cells.size(); ++i) {
+    if (IsNameOfHalf(layout_.columns[i].short_name)) beside.push_back(cells[i]);
   }
   std::string unused;
   if (!HasHalfOfDay(beside) ||

@@ -51,6 +51,8 @@ constexpr double kHighestLoggerRate = 200e3;
 // seconds of a day.
 constexpr double kLateSteps = 100.0;
 constexpr double kLargestStepOfLate = 1e-4;
+// Rounding of such a step, in parts of it.
+constexpr double kRounding = 1e-6;
 
 // Seconds between 59 and the next minute, and the next hour, of numbers such as
 // 125959 that are written without signs between.
@@ -107,7 +109,7 @@ bool MayBePartsOfADay(const Eigen::Ref<const Vector>& times) {
   const double step = MedianStep(times);
   const bool is_late = times[0] > kLateSteps * step;
   return step * kHighestLoggerRate < 1.0 ||
-         (is_late && step < kLargestStepOfLate);
+         (is_late && step < kLargestStepOfLate * (1.0 - kRounding));
 }
 
 // Why numbers without a unit are not read as seconds; empty: they are.
@@ -152,9 +154,9 @@ bool IsWholeUnit(std::string_view line, size_t begin, size_t end,
                  bool is_behind_in) {
   const std::string_view before = StripBlanks(line.substr(0, begin));
   const std::string_view after = StripBlanks(line.substr(end));
-  if (after.empty() || is_behind_in) {
-    return after.empty() || after.find_first_of(",;.)]\"") == 0;
-  }
+  if (after.empty()) return true;
+  // "in US units" is no time.
+  if (is_behind_in) return line.substr(begin, 2) != "US";
   return !before.empty() && ((before.back() == '[' && after.front() == ']') ||
                              (before.back() == '(' && after.front() == ')'));
 }

@@ -90,15 +90,18 @@ TEST(TextTimeTest, PartsOfADayAreNoSeconds) {
   // Shocks that begin some steps after 0, and slower rates.
   EXPECT_EQ(Read(TextOf("t,a\n", 1e-3, 2e-5), {}, &table), "");
   EXPECT_EQ(Read(TextOf("t,a\n", 0.5, 2e-4), {}, &table), "");
+  EXPECT_EQ(Read(TextOf("t,a\n", 0.1, 1e-4), {}, &table), "");
   // Shocks at 100 kHz.
   EXPECT_EQ(Read(TextOf("t,a\n", 0.0, 1e-5), {}, &table), "");
 }
 
 TEST(TextTimeTest, UnitAboveTheNames) {
   Table table;
-  for (const char* line : {"# time in ms", "Time unit: ms", "Zeit [\u00B5s]",
-                           "# Time (msec)", "X unit: none, time: ns",
-                           "# Time in ms, acceleration in g", "Time [ ms ]"}) {
+  for (const char* line :
+       {"# time in ms", "Time unit: ms", "Zeit [\u00B5s]", "# Time (msec)",
+        "X unit: none, time: ns", "# Time in ms, acceleration in g",
+        "Time [ ms ]", "# time in ms and acceleration in g",
+        "# Time in ms - acceleration in g", "# Time in ms\tacc in g"}) {
     const std::string error = Read(
         TextOf("# Rate: 100 Hz\n" + std::string(line) + "\nt,a\n", 0.0, 0.4),
         {}, &table);

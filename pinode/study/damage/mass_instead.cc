@@ -135,16 +135,21 @@ std::string MassInstead(const IdentificationProblem& problem,
   const double of_changes = comparison.Cost(
       KeptGroups(groups, healthy, changed), changed, nullptr, &fit);
   const std::vector<Kept> all = KeptGroups(groups, healthy, {});
+  std::map<std::string, double> kept;
+  for (const Kept& one : all) kept[one.name] = one.mean;
   double best = of_changes + limits::kLogOdds;
   std::string result;
   for (const Suspect& suspect : MakeSuspects(problem, model)) {
     if (suspect.kind != Suspect::Kind::kMass || suspect.groups.size() != 1) {
       continue;
     }
-    const double cost = comparison.Cost(all, {}, &suspect, &fit);
-    if (!(cost < best)) continue;
-    best = cost;
-    result = Describe(suspect, fit);
+    // From where all groups are free, and from the healthy values.
+    for (const auto& begin : {std::map<std::string, double>(), kept}) {
+      const double cost = comparison.Cost(all, begin, &suspect, &fit);
+      if (!(cost < best)) continue;
+      best = cost;
+      result = Describe(suspect, fit);
+    }
   }
   return result;
 }
