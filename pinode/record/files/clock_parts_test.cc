@@ -354,6 +354,7 @@ TEST(ClockPartsTest, DurationsAreNoFractions) {
         &table, &outline, &error))
         << error;
     EXPECT_NEAR(table.values(2, 0), 2.0, 1e-12);
+    EXPECT_TRUE(outline.is_channel[1]);
   }
   for (const char* name :
        {"ms", "Milliseconds", "msec [ms]", "MS", "Fraction [ms]"}) {
