@@ -1,7 +1,6 @@
 #include "pinode/network/network_json.h"
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "pinode/base/file.h"
 #include "pinode/network/initialize_weights.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -60,14 +60,14 @@ void ExpectSame(const SavedNetwork& actual, const SavedNetwork& expected) {
 }
 
 TEST(NetworkJson, FileRoundTripIsExact) {
-  const std::string path = ::testing::TempDir() + "pinode_network_test.json";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("network.json");
   std::string error;
   const SavedNetwork network = Example();
   ASSERT_TRUE(WriteNetwork(path, network, &error)) << error;
   SavedNetwork read;
   ASSERT_TRUE(ReadNetwork(path, &read, &error)) << error;
   ExpectSame(read, network);
-  std::remove(path.c_str());
 }
 
 TEST(NetworkJson, RoundTripKeepsGaugeAndLinearNetworks) {
@@ -195,8 +195,8 @@ TEST(NetworkJson, MissingFileIsNamed) {
 }
 
 TEST(NetworkJson, InvalidNetworksAreNotWritten) {
-  const std::string path =
-      ::testing::TempDir() + "pinode_network_bad_test.json";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("network.json");
   std::string error;
   SavedNetwork network = Example();
   network.weights[4] = std::numeric_limits<double>::quiet_NaN();

@@ -1,14 +1,13 @@
 #include "pinode/record/table.h"
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/support/measured_data_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -179,11 +178,10 @@ TEST(CsvTableTest, BadFiles) {
   EXPECT_FALSE(ReadCsvTable("no/such.csv", {}, &table, &error));
   EXPECT_THAT(error, StartsWith("no/such.csv: cannot open"));
 
-  const std::string path = ::testing::TempDir() + "table_test_latin1.csv";
-  std::ofstream(path, std::ios::binary) << "t,a\n0,1\n1,\xB5\n";
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("latin1.csv", "t,a\n0,1\n1,\xB5\n");
   EXPECT_FALSE(ReadCsvTable(path, {"t"}, &table, &error));
   EXPECT_THAT(error, HasSubstr(":3: byte 0xB5 is not valid UTF-8"));
-  std::remove(path.c_str());
 }
 
 TEST(CsvTableTest, ReadsAMeasuredFile) {

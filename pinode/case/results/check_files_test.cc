@@ -1,7 +1,5 @@
 #include "pinode/case/results/check_files.h"
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -11,6 +9,7 @@
 #include "pinode/case/text/json_table.h"
 #include "pinode/structure/matrices/matrix_market.h"
 #include "tests/support/case_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -148,14 +147,13 @@ TEST_F(CheckFilesTest, MeasuredModesAndWhatTheyTell) {
 }
 
 TEST(MayGiveWayToCheck, AnEarlierCheckAndNoFit) {
-  const std::string folder = ::testing::TempDir() + "gives_way";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder temporary;
+  const std::string folder = temporary.Path("");
   std::string error;
   EXPECT_TRUE(MayGiveWayToCheck(folder, &error));
-  std::ofstream(folder + "/check.json") << "{}";
+  temporary.Write("check.json", "{}");
   EXPECT_TRUE(MayGiveWayToCheck(folder, &error));
-  std::ofstream(folder + "/result.json") << "{}";
+  temporary.Write("result.json", "{}");
   EXPECT_FALSE(MayGiveWayToCheck(folder, &error));
   EXPECT_EQ(error, folder +
                        ": has result.json, which a check does not replace; "

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "gtest/gtest.h"
 #include "pinode/record/files/text_table.h"
 #include "tests/support/logger_files_testing.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -79,7 +79,8 @@ bool NamesAKey(const std::string& error) {
 }
 
 TEST(TextTableRandomTest, ReadsNearlyAllAndNoneWrongly) {
-  const std::string path = ::testing::TempDir() + "random_logger.csv";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("logger.csv");
   const int num_files = NumLoggerFiles();
   LoggerFileWriter writer(LoggerFileSeed());
   int num_read = 0;
@@ -87,7 +88,7 @@ TEST(TextTableRandomTest, ReadsNearlyAllAndNoneWrongly) {
   int num_found_times = 0;
   for (int i = 0; i < num_files; ++i) {
     const LoggerFile file = writer.Write();
-    std::ofstream(path, std::ios::binary) << file.text;
+    folder.Write("logger.csv", file.text);
     // As pinode_modes --columns=all has it: the time and the channels are
     // found.
     TextOutline outline;
@@ -126,7 +127,6 @@ TEST(TextTableRandomTest, ReadsNearlyAllAndNoneWrongly) {
       }
     }
   }
-  std::remove(path.c_str());
   std::printf("%d of %d files are read, the time found in %d of %d\n", num_read,
               num_files, num_found_times, num_times);
   EXPECT_GE(num_read, num_files * 95 / 100);

@@ -13,6 +13,7 @@
 #include "pinode/base/constants.h"
 #include "pinode/base/file.h"
 #include "pinode/record/files/universal_file.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -99,7 +100,8 @@ UniversalFile Universal() {
 
 bool ReadUniversal(const UniversalFile& file,
                    std::vector<FrequencyResponse>* all, std::string* error) {
-  const std::string path = ::testing::TempDir() + "/frf_files_test.uff";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("frf.uff");
   std::vector<std::string> remarks;
   return WriteFileAtomically(path, FormatUniversalFile(file), error) &&
          ReadFrfFile(path, {}, all, &remarks, error);
@@ -268,7 +270,8 @@ TEST(FrfFilesTest, WrittenFunctionsAreReadBack) {
     all.values.row(k) << Complex(k, 1.0 / 3.0), Complex(-k, 1e-7);
     all.coherence.row(k) << 0.1 * k + 0.3, 0.9;
   }
-  const std::string path = ::testing::TempDir() + "/written_frfs.uff";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("frf.uff");
   std::string error;
   ASSERT_TRUE(WriteFileAtomically(path, FormatFrfFile(all, "m/s", "N"), &error))
       << error;
@@ -307,7 +310,8 @@ TEST(FrfFilesTest, LongNamesAreToldApart) {
   all.values = ComplexMatrix::Ones(3, 4);
   all.coherence.resize(3, 4);
   all.coherence.rowwise() = Eigen::RowVector4d(0.6, 0.7, 0.8, 0.9);
-  const std::string path = ::testing::TempDir() + "/long_names.uff";
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("frf.uff");
   std::string error;
   ASSERT_TRUE(
       WriteFileAtomically(path, FormatFrfFile(all, "m/s^2", "N"), &error))
