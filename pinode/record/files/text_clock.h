@@ -50,6 +50,8 @@ class TextClock {
   TextClock(const TextLayout& layout, const TextFormat& format, int column);
 
   const TimeParts& parts() const { return parts_; }
+  // Times of the rows that were added, as they are written.
+  const std::vector<ClockCell>& cells() const { return clock_; }
   // Forgets all rows, and makes room for some.
   void Clear(size_t num_rows);
 

@@ -328,6 +328,15 @@ class HeaderFinder {
     header->has_units = true;
     header->units = line - 1;
     header->unit_cells = std::move(above);
+    // The nearer line may be that of start times and modules.
+    if (line < 2 || IsNoRow(lines_[line - 2].text)) return;
+    std::vector<std::string> high = Cells(lines_[line - 2].text, run.delimiter);
+    if (!Fits(run, &high) || !AreNames(high) ||
+        !AreBetterNames(high, header->cells)) {
+      return;
+    }
+    header->names = line - 2;
+    header->cells = std::move(high);
   }
 
   // Takes a row of units behind another cell, and the names above it. The name

@@ -1,4 +1,4 @@
-// Header lines with more than names and units.
+// Header lines with more than names and units, and marks around the rows.
 
 #include <string>
 
@@ -10,6 +10,7 @@ namespace pinode {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 Table ParseWithHeader(const std::string& text) {
   Table table;
@@ -50,6 +51,81 @@ TEST(TextHeaderTest, NamesWithUnitsAboveOthers) {
   EXPECT_THAT(
       ParseWithHeader("a;b;c\nd;e;f\n0,5;1,5;2,5\n0,6;1,6;2,6\n").columns,
       ElementsAre("d", "e", "f"));
+}
+
+// Names above the units, and start times and modules below them, as catman
+// writes them.
+TEST(TextHeaderTest, NamesAboveUnitsAndModules) {
+  const Table table = ParseWithHeader(
+      "File: bridge.bin\nZeit 1\tBeschl_1\tBeschl_2\ns\tm/s²\tm/s²\n"
+      "Start 03.05.2024\tMX440B\tMX440B\n"
+      "0,0\t1,5\t2,5\n0,1\t1,6\t2,6\n0,2\t1,7\t2,7\n");
+  EXPECT_THAT(table.columns, ElementsAre("Zeit 1", "Beschl_1", "Beschl_2"));
+  EXPECT_THAT(table.units, ElementsAre("s", "m/s^2", "m/s^2"));
+  // Units above the names.
+  EXPECT_THAT(ParseWithHeader("s;g;mm\nt;a;b\n0;1,5;2,5\n0,1;1,6;2,6\n0,2;1,"
+                              "7;2,7\n")
+                  .columns,
+              ElementsAre("t", "a", "b"));
+  EXPECT_THAT(ParseWithHeader("Run 1;Run 2;Run 3\ns;g;mm\nt;a;b\n0;1,5;2,5\n"
+                              "0,1;1,6;2,6\n0,2;1,7;2,7\n")
+                  .columns,
+              ElementsAre("t", "a", "b"));
+}
+
+// The samples of one motion, several a line, are no rows of channels.
+TEST(TextHeaderTest, WrappedMotions) {
+  const std::string rows = "0.1 0.2 0.1\n0.3 0.2 0.4\n0.1 0.5 0.2\n";
+  for (const char* line :
+       {"NPTS=  9, DT= .0050", "NPTS= 9, DT= .005 SEC", "9 0.005 NPTS, DT",
+        "TIMESERIES XX_A__BHZ_R, 9 samples, 40 sps, 2003-05-29T02:13:22.043400,"
+        " SLIST, INTEGER, Counts"}) {
+    const std::string text = "PEER\n" + std::string(line) + "\n" + rows;
+    Table table;
+    std::string error;
+    EXPECT_FALSE(ParseTextTable(text, "r.txt", {}, {}, &table, &error)) << line;
+    EXPECT_THAT(error,
+                HasSubstr("r.txt:2: '" + std::string(line).substr(0, 4)));
+    EXPECT_THAT(error, HasSubstr("samples of one motion, 3 a line"));
+    EXPECT_THAT(error, HasSubstr("`header_lines = 2`"));
+    TextFormat format;
+    format.header_lines = 2;
+    EXPECT_TRUE(ParseTextTable(text, "r.txt", {}, format, &table, &error))
+        << error;
+  }
+  // A comment, and a size above the names, say nothing about the rows.
+  EXPECT_EQ(ParseWithHeader("# npts 9, dt 0.005\n" + rows).columns.size(), 3u);
+  EXPECT_THAT(ParseWithHeader("NPTS 9, DT .005\nt x y\n" + rows).columns,
+              ElementsAre("t", "x", "y"));
+}
+
+// Pairs of time and value below the line of ObsPy.
+TEST(TextHeaderTest, PairsOfObsPy) {
+  TextFormat format;
+  format.time_column = "column_1";
+  const std::string text =
+      "TIMESERIES XX_A__BHZ_R, 3 samples, 40 sps, 2003-05-29T02:13:22.043400, "
+      "TSPAIR, INTEGER, Counts\n2003-05-29T02:13:22.043400  -7\n"
+      "2003-05-29T02:13:22.068400  2\n2003-05-29T02:13:22.093400  5\n";
+  Table table;
+  std::string error;
+  ASSERT_TRUE(ParseTextTable(text, "r.txt", {"column_1", "column_2"}, format,
+                             &table, &error))
+      << error;
+  EXPECT_NEAR(table.values(2, 0), 0.05, 1e-9);
+  EXPECT_EQ(table.values(0, 1), -7.0);
+}
+
+// Old programs end a text with the mark of DOS.
+TEST(TextHeaderTest, MarkBehindTheLastLine) {
+  Table table;
+  std::string error;
+  for (const char* text :
+       {"t,a\n0,1\n0.1,2\n0.2,5\n\x1A", "t;a\n0;1\n0,1;2\n0,2;5\x1A"}) {
+    ASSERT_TRUE(ParseTextTable(text, "r.csv", {}, {}, &table, &error)) << error;
+    ASSERT_EQ(table.num_rows(), 3);
+    EXPECT_EQ(table.values(2, 1), 5.0);
+  }
 }
 
 // A label in front of the units is no name, and units that repeat are none.

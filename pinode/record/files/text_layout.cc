@@ -11,6 +11,7 @@
 #include "pinode/base/unit_names.h"
 #include "pinode/record/files/text_header.h"
 #include "pinode/record/files/text_rows.h"
+#include "pinode/record/files/text_sentences.h"
 #include "pinode/record/files/text_thousands.h"
 #include "pinode/record/table.h"
 
@@ -36,7 +37,7 @@ class LayoutFinder {
   bool Find() {
     lines_ = FirstLines(text_, kMostLines + static_cast<size_t>(std::max(
                                                 format_.header_lines, 0)));
-    SkipDelimiterLine();
+    SkipFirstLine();
     if (format_.header_lines > static_cast<int>(lines_.size())) {
       return Fail(0, "has fewer lines than `header_lines` says");
     }
@@ -48,13 +49,30 @@ class LayoutFinder {
   }
 
  private:
-  // Skips the first line "sep=;", which is for spreadsheets.
-  void SkipDelimiterLine() {
+  // Skips the first line "sep=;", which is for spreadsheets, and that of pairs
+  // of time and value by ObsPy.
+  void SkipFirstLine() {
     if (lines_.empty() || format_.header_lines >= 0) return;
     const std::string_view line = StripBlanks(lines_[0].text);
-    if (line.size() > 5 || line.substr(0, 4) != "sep=") return;
+    const bool is_delimiter = line.size() <= 5 && line.substr(0, 4) == "sep=";
+    const bool are_pairs = line.substr(0, 11) == "TIMESERIES " &&
+                           line.find(", TSPAIR,") != std::string_view::npos;
+    if (!is_delimiter && !are_pairs) return;
     lines_.erase(lines_.begin());
-    has_delimiter_line_ = true;
+    has_first_line_ = true;
+  }
+
+  // Refuses the samples of one motion, several a line.
+  bool CheckWrapped() {
+    const size_t cells = run_.kinds.size();
+    if (format_.header_lines >= 0 || cells < 2) return true;
+    size_t above = run_.first;
+    while (above > 0 && StripBlanks(lines_[above - 1].text).empty()) --above;
+    if (above == 0) return true;
+    const TextLine& line = lines_[above - 1];
+    const std::string why =
+        WhyWrapped(line.text, cells, lines_[run_.first].number);
+    return why.empty() || Fail(line.number, why);
   }
 
   bool Fail(int64_t line, const std::string& message) {
@@ -290,6 +308,7 @@ class LayoutFinder {
   }
 
   bool CheckHeader() {
+    if (!CheckWrapped()) return false;
     if (MayBeDecimalCommas()) return RefuseSeveral({run_, RowRun()});
     if (MayBeNumberedNames()) {
       const int64_t line = lines_[run_.first].number;
@@ -402,9 +421,8 @@ class LayoutFinder {
 
   bool IsPlain() const {
     if (!header_.found || header_.in_comment || header_.has_units ||
-        has_delimiter_line_ || run_.decimal != '.' ||
-        layout_->is_decimal_open || format_.header_lines >= 0 ||
-        !format_.time_format.empty()) {
+        has_first_line_ || run_.decimal != '.' || layout_->is_decimal_open ||
+        format_.header_lines >= 0 || !format_.time_format.empty()) {
       return false;
     }
     for (size_t i = 0; i < header_.names; ++i) {
@@ -434,7 +452,7 @@ class LayoutFinder {
   TextLayout* layout_;
   std::string* error_;
   std::vector<TextLine> lines_;
-  bool has_delimiter_line_ = false;
+  bool has_first_line_ = false;
   std::vector<RowRun> runs_;
   // Delimiters with which the rows that were looked at have no decimal sign.
   std::string open_decimals_;

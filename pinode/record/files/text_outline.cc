@@ -62,10 +62,12 @@ Matrix FirstRows(const std::string& text, const TextLayout& layout) {
 // True for values that rise by about the same step, as rounded times do.
 bool RiseEvenly(const Eigen::Ref<const Vector>& values, double* step) {
   constexpr double kLargestDeviation = 0.5;  // in steps
-  if (values.size() < 3) return false;
-  *step = (values[values.size() - 1] - values[0]) /
-          static_cast<double>(values.size() - 1);
-  for (Eigen::Index i = 1; i < values.size(); ++i) {
+  // A slower clock ends before the others of its file.
+  Eigen::Index size = values.size();
+  while (size > 0 && std::isnan(values[size - 1])) --size;
+  if (size < 3) return false;
+  *step = (values[size - 1] - values[0]) / static_cast<double>(size - 1);
+  for (Eigen::Index i = 1; i < size; ++i) {
     const double own = values[i] - values[i - 1];
     if (!(*step > 0.0) ||
         !(std::abs(own - *step) <= kLargestDeviation * *step)) {
@@ -143,8 +145,13 @@ double SecondsOf(const TextColumn& column) {
 
 // True if two columns of numbers are other times. Counts since 1970 and elapsed
 // times may be one clock, so they are not compared.
-bool AreOtherTimes(const Vector& first, double first_seconds,
-                   const Vector& second, double second_seconds) {
+bool AreOtherTimes(Vector first, double first_seconds, Vector second,
+                   double second_seconds) {
+  Eigen::Index size = first.size();
+  while (size > 0 && std::isnan(first[size - 1] + second[size - 1])) --size;
+  if (size < 2) return true;
+  first.conservativeResize(size);
+  second.conservativeResize(size);
   // Share of a step that roundings may differ by.
   constexpr double kOneClock = 0.02;
   if ((first[0] > kLeastTicks) != (second[0] > kLeastTicks)) return false;
@@ -190,6 +197,106 @@ void FindOtherClocks(const std::string& text, const TextLayout& layout,
                    : Differ(text, layout, time, place))) {
       outline->other_clocks.push_back(place);
     }
+  }
+}
+
+// Seconds of a row by one clock: since midnight, or since another zero.
+class RowClock {
+ public:
+  RowClock(const TextLayout& layout, const TextFormat& format, int column)
+      : layout_(layout), column_(column), clock_(layout, format, column) {}
+
+  // True if the zero of the seconds is a midnight.
+  bool IsOfDay() const { return clock_.parts().IsClock() || ticks_ > 0.0; }
+
+  bool Parse(const std::vector<std::string_view>& cells, double* seconds) {
+    if (clock_.parts().IsClock()) {
+      std::string unused;
+      if (cells.size() <= static_cast<size_t>(clock_.parts().Last()) ||
+          !clock_.Add(cells, layout_.decimal, &unused)) {
+        return false;
+      }
+      *seconds = clock_.cells().back().seconds;
+      return true;
+    }
+    const size_t place = static_cast<size_t>(column_);
+    if (cells.size() <= place ||
+        !ParseCell(cells[place], layout_.decimal, seconds)) {
+      return false;
+    }
+    const double stated = SecondsOf(layout_.columns[place]);
+    if (stated == 0.0 && ticks_ == 0.0) ticks_ = SecondsOfTicks(*seconds);
+    *seconds *= stated > 0.0 ? stated : ticks_ > 0.0 ? ticks_ : 1.0;
+    return true;
+  }
+
+ private:
+  const TextLayout& layout_;
+  const int column_;
+  TextClock clock_;
+  double ticks_ = 0.0;
+};
+
+// True if the parts of a clock say the same as the time, but for parts of a
+// second and the zone. Beside a time that does not begin at midnight they count
+// as it does.
+bool AreOneClock(const std::string& text, const TextLayout& layout,
+                 const TextFormat& format, int time, const ClockParts& parts) {
+  constexpr int kMostRows = 5000;
+  constexpr double kDay = 86400.0;
+  constexpr double kZone = 900.0;         // s; zones are multiples of it
+  constexpr double kRounding = 1.0;       // s
+  constexpr double kLeastDuration = 2.0;  // s
+  RowClock own(layout, format, time);
+  RowClock beside(layout, TextFormat(), parts.second);
+  std::vector<std::string_view> cells;
+  std::vector<std::string> storage;
+  double lowest = 0.0;
+  double highest = 0.0;
+  double first = 0.0;
+  double first_beside = 0.0;
+  double duration = 0.0;
+  size_t at = layout.first_row;
+  int rows = 0;
+  while (at < text.size() && rows < kMostRows) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    double seconds = 0.0;
+    double other = 0.0;
+    if (IsNoRow(line)) continue;
+    if (!SplitCells(line, layout.delimiter, &cells, &storage) ||
+        !own.Parse(cells, &seconds) || !beside.Parse(cells, &other)) {
+      return false;
+    }
+    if (rows++ == 0) {
+      first = seconds - other;
+      first_beside = other;
+      if (own.IsOfDay()) first = kZone * std::round(first / kZone);
+    }
+    const double difference = std::remainder(seconds - other - first, kDay);
+    lowest = std::min(lowest, difference);
+    highest = std::max(highest, difference);
+    duration = std::remainder(other - first_beside, kDay);
+  }
+  return rows > 0 && highest - lowest <= kRounding &&
+         (own.IsOfDay() ? std::max(highest, -lowest) <= kRounding
+                        : duration >= kLeastDuration);
+}
+
+// Finds hour, minute and second beside a time that is another column.
+void FindRepeatedParts(const std::string& text, const TextLayout& layout,
+                       const TextFormat& format, TextOutline* outline) {
+  const ClockParts parts = FindClockParts(layout.columns);
+  if (!parts.IsComplete() || parts.Has(outline->time_column) ||
+      parts.fraction == outline->time_column ||
+      !AreOneClock(text, layout, format, outline->time_column, parts)) {
+    return;
+  }
+  outline->repeated_parts = parts.Columns();
+  if (parts.fraction >= 0) outline->repeated_parts.push_back(parts.fraction);
+  for (const int part : outline->repeated_parts) {
+    outline->is_channel[static_cast<size_t>(part)] = false;
   }
 }
 
@@ -253,6 +360,12 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
         named = place;
       }
     }
+    // Another form of the time, such as "seconds_elapsed" beside ticks.
+    if (is_number && is_channel && HasWordOfTime(column.short_name) &&
+        RiseEvenly(rows.col(place), &step)) {
+      is_channel = false;
+      if (named < 0) named = place;
+    }
     if (is_number && IsPartOfClock(column, place, &seconds)) {
       is_channel = false;
       has_clock_parts = true;
@@ -280,6 +393,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     outline.is_channel[static_cast<size_t>(part)] = false;
   }
   FindOtherClocks(text, layout, rows, &outline);
+  FindRepeatedParts(text, layout, format, &outline);
   return outline;
 }
 
@@ -296,10 +410,14 @@ std::vector<std::string> TextOutline::UnusedTimes(
   std::vector<std::string> names;
   for (size_t i = 0; i < columns.size(); ++i) {
     if (is_channel[i] || is_time(i)) continue;
-    const bool is_part = std::find(time_parts.begin(), time_parts.end(),
-                                   static_cast<int>(i)) != time_parts.end();
+    const auto has = [i](const std::vector<int>& places) {
+      return std::find(places.begin(), places.end(), static_cast<int>(i)) !=
+             places.end();
+    };
+    const bool is_part = has(time_parts);
     const std::string& name = columns[i].short_name;
-    const bool is_named = IsNameOfTime(name) || !UnitOfClockPart(name).empty();
+    const bool is_named = IsNameOfTime(name) || HasWordOfTime(name) ||
+                          !UnitOfClockPart(name).empty() || has(repeated_parts);
     if (is_part ? !are_parts_used : is_named) names.push_back(columns[i].name);
   }
   return names;
@@ -328,7 +446,7 @@ bool ParseTextOutline(std::string text, const std::string& path,
     *error = path + ": " + what;
     return false;
   }
-  LinesOfCarriageReturns(&text);
+  NormaliseLines(&text);
   TextLayout layout;
   if (!FindTextLayout(text, path, format, &layout, error) ||
       !layout.IsClear(path, error)) {

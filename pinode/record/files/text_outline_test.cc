@@ -1,11 +1,13 @@
 // Outlines: which column of a text file is the time, and which are channels.
 
-#include <fstream>
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "pinode/record/files/text_table.h"
+#include "tests/support/temporary_folder_testing.h"
 
 namespace pinode {
 namespace {
@@ -15,8 +17,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TextOutline OutlineOf(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "outline.csv";
-  std::ofstream(path) << text;
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("outline.csv", text);
   TextOutline outline;
   std::string error;
   EXPECT_TRUE(ReadTextOutline(path, {}, &outline, &error)) << error;
@@ -44,6 +46,23 @@ TEST(TextOutlineTest, SecondClock) {
   EXPECT_THAT(warm.is_channel, ElementsAre(false, true, true, true));
 }
 
+// A slower clock ends before the other one, within the rows that are looked at.
+TEST(TextOutlineTest, SecondClockEndsEarlier) {
+  std::string two = "Time 1;a;Time 2;b\n";
+  std::string one = "Time 1;a;Time 2;b\n";
+  for (int i = 0; i < 8; ++i) {
+    const std::string begin =
+        "0." + std::to_string(i) + ";" + std::to_string(i * i % 5) + ";";
+    const std::string value = ";" + std::to_string(i * i % 3);
+    two += begin + (i < 4 ? "0." + std::to_string(2 * i) + value : ";") + "\n";
+    one += begin + (i < 4 ? "0." + std::to_string(i) + value : ";") + "\n";
+  }
+  EXPECT_THAT(OutlineOf(two).other_clocks, ElementsAre(2));
+  EXPECT_THAT(OutlineOf(two).is_channel, ElementsAre(false, true, false, true));
+  EXPECT_THAT(OutlineOf(one).other_clocks, IsEmpty());
+  EXPECT_THAT(OutlineOf(one).is_channel, ElementsAre(false, true, false, true));
+}
+
 // One clock in two units, roundings or forms is one clock.
 TEST(TextOutlineTest, OneClockTwice) {
   for (const char* text :
@@ -58,6 +77,33 @@ TEST(TextOutlineTest, OneClockTwice) {
   const TextOutline other =
       OutlineOf("Time [s];Time [ms];a\n0.1;150;3\n0.2;250;1\n0.3;350;2\n");
   EXPECT_THAT(other.other_clocks, ElementsAre(1));
+}
+
+// Names that microcontrollers give to their counters.
+TEST(TextOutlineTest, NamesOfCounters) {
+  struct Counter {
+    const char* name;
+    const char* step;
+    const char* unit;
+  };
+  for (const Counter& counter :
+       {Counter{"millis", "10", "ms"}, Counter{"micros", "10000", "us"},
+        Counter{"timestamp_ns", "10000000", "ns"}}) {
+    std::string text = std::string(counter.name) + ",a\n";
+    for (int i = 1; i < 7; ++i) {
+      text += std::to_string(i) + (counter.step + 1) + "," +
+              std::to_string(i * i % 5) + "\n";
+    }
+    const TextOutline outline = OutlineOf(text);
+    EXPECT_EQ(outline.time_column, 0) << counter.name;
+    TextFormat format;
+    format.time_column = counter.name;
+    Table table;
+    std::string error;
+    ASSERT_TRUE(ParseTextTable(text, "r.csv", {}, format, &table, &error))
+        << error;
+    EXPECT_EQ(table.time_unit, counter.unit);
+  }
 }
 
 TEST(TextOutlineTest, BracketThatDoesNotBegin) {
@@ -75,6 +121,27 @@ TEST(TextOutlineTest, RisingChannelBesideTime) {
   const TextOutline ms = OutlineOf("Time [ms];a\n0;0.5\n1;1\n2;1.5\n");
   EXPECT_EQ(ms.time_column, 0);
   EXPECT_THAT(ms.is_channel, ElementsAre(false, true));
+}
+
+// A word of the time in the name of numbers that rise evenly.
+TEST(TextOutlineTest, SecondFormOfTheTime) {
+  std::string ticks = "time,seconds_elapsed,z\n";
+  std::string travel = "t,Travel time,z\n";
+  std::string late = "a,Sample time,z\n";
+  for (int i = 0; i < 6; ++i) {
+    const std::string digit = std::to_string(i);
+    const std::string value = "," + std::to_string(i * i % 5) + "\n";
+    ticks += "17147313001" + digit + "0000000,0.12" + digit + value;
+    travel += "0.0" + digit + ",0.12" + std::to_string(i * i % 7) + value;
+    late += std::to_string(i * i % 7) + ",0." + digit + value;
+  }
+  const TextOutline outline = OutlineOf(ticks);
+  EXPECT_EQ(outline.time_column, 0);
+  EXPECT_THAT(outline.is_channel, ElementsAre(false, false, true));
+  EXPECT_THAT(outline.UnusedTimes("time"), ElementsAre("seconds_elapsed"));
+  EXPECT_THAT(OutlineOf(travel).is_channel, ElementsAre(false, true, true));
+  EXPECT_EQ(OutlineOf(late).time_column, 1);
+  EXPECT_THAT(OutlineOf(late).is_channel, ElementsAre(true, false, true));
 }
 
 // Years, days, hours and minutes beside seconds are parts of a clock.
@@ -99,6 +166,53 @@ TEST(TextOutlineTest, PartsOfAClockAreNoChannels) {
   // Alone it may be the second of two sensors.
   EXPECT_THAT(OutlineOf("t;first;second\n0;1;3\n0.1;2;1\n0.2;0;2\n").is_channel,
               ElementsAre(false, true, true));
+}
+
+// Hour, minute and second that say the same as the time are no channels.
+TEST(TextOutlineTest, PartsThatRepeatTheTime) {
+  struct Repeated {
+    const char* header;
+    // Rows; %s is the second.
+    const char* row;
+    bool are_repeated;
+  };
+  for (const Repeated& names :
+       {Repeated{"Timestamp,Hour,Min,Sec,a", "2024-03-01 12:30:0%s.5,12,30,%s",
+                 true},
+        {"Time,hh,mm,ss,a", "12:30:0%s,12,30,%s", true},
+        {"Time,hh,mm,ss,ms,a", "12:30:0%s.250,12,30,%s,250", true},
+        // Local hours beside UTC, with quarters of an hour.
+        {"Timestamp,Hour,Min,Sec,a", "2024-03-01T22:30:0%sZ,4,15,%s", true},
+        {"Timestamp,Hour,Min,Sec,a", "170929620%s000,12,30,%s", true},
+        {"Time [s],Hour,Min,Sec,a", "0%s.25,8,17,3%s", true},
+        // Other times, and numbers that are no times.
+        {"Timestamp,Hour,Min,Sec,a", "2024-03-01 12:30:0%s,12,31,%s", false},
+        {"Timestamp,Hour,Min,Sec,a", "2024-03-01 12:30:0%s,12,30,0", false},
+        {"Time [s],Hour,Min,Sec,a", "0.%s,8,17,30", false},
+        {"Time [s],hh,min,ss,a", "0.%s,8,17.5,30", false}}) {
+    std::string text = std::string(names.header) + "\n";
+    for (int i = 0; i < 6; ++i) {
+      std::string row = names.row;
+      for (size_t at = row.find("%s"); at != std::string::npos;
+           at = row.find("%s")) {
+        row.replace(at, 2, std::to_string(i));
+      }
+      text += row + "," + std::to_string(i % 3) + "\n";
+    }
+    const TextOutline outline = OutlineOf(text);
+    EXPECT_EQ(outline.time_column, 0) << text;
+    EXPECT_EQ(outline.is_channel[2], !names.are_repeated) << text;
+    EXPECT_TRUE(outline.is_channel.back()) << text;
+    EXPECT_EQ(outline.repeated_parts.size(),
+              names.are_repeated ? outline.columns.size() - 2 : 0)
+        << text;
+    const std::vector<std::string> unused =
+        outline.UnusedTimes(outline.columns[0].name);
+    const std::string& minute = outline.columns[2].name;
+    EXPECT_EQ(std::count(unused.begin(), unused.end(), minute),
+              names.are_repeated ? 1 : 0)
+        << text;
+  }
 }
 
 // A part of a clock needs a unit to be the time: a DOY of 65.25 is no seconds.

@@ -173,7 +173,9 @@ class RowRunFinder {
 
 }  // namespace
 
-void LinesOfCarriageReturns(std::string* text) {
+void NormaliseLines(std::string* text) {
+  constexpr char kEndOfFile = 0x1A;
+  while (!text->empty() && text->back() == kEndOfFile) text->pop_back();
   // Files of some old instruments have lines that end with a carriage return
   // alone.
   if (text->find('\n') == std::string::npos) {

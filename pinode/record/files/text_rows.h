@@ -24,8 +24,9 @@ struct TextLine {
   int64_t number = 0;
 };
 
-// Ends lines by '\n' that end with a carriage return alone.
-void LinesOfCarriageReturns(std::string* text);
+// Ends lines by '\n' that end with a carriage return alone, and removes the
+// mark of DOS behind the last one.
+void NormaliseLines(std::string* text);
 
 // Splits the beginning of a text into at most `most` lines.
 std::vector<TextLine> FirstLines(std::string_view text, size_t most);

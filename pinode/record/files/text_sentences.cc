@@ -45,6 +45,24 @@ std::string DescribeLayout(const TextLayout& layout) {
   return text;
 }
 
+std::string WhyWrapped(std::string_view line, size_t num_cells,
+                       int64_t first_row) {
+  const std::string lower = LowerCase(line);
+  const bool is_peer = line[0] != '#' &&
+                       lower.find("npts") != std::string::npos &&
+                       lower.find("dt") != std::string::npos;
+  const bool is_list = line.substr(0, 11) == "TIMESERIES " &&
+                       line.find(", SLIST,") != std::string_view::npos;
+  if (!is_peer && !is_list) return "";
+  return Quote(line) + " says that the lines below are the samples of one " +
+         "motion, " + std::to_string(num_cells) + " a line. " +
+         (is_peer ? "A case reads them as the `file` of a motion in g, if the "
+                    "name of the file ends in .at2"
+                  : "Write one sample a line") +
+         ". If they are rows of channels, set `header_lines = " +
+         std::to_string(first_row - 1) + "`";
+}
+
 std::string WhyNoNumber(std::string_view cell, char decimal, bool is_time,
                         bool is_text) {
   double value = 0.0;

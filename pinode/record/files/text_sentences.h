@@ -4,6 +4,7 @@
 #define PINODE_RECORD_FILES_TEXT_SENTENCES_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,12 @@ std::string DescribeLayout(const TextLayout& layout);
 // the time is text.
 std::string WhyNoNumber(std::string_view cell, char decimal, bool is_time,
                         bool is_text);
+
+// Returns why lines of `num_cells` numbers below `line` are no rows of
+// channels: PEER and ObsPy wrap the samples of one motion. `first_row` is the
+// number of the first of them. Empty: they may be rows.
+std::string WhyWrapped(std::string_view line, size_t num_cells,
+                       int64_t first_row);
 
 // Returns why a row of `num_cells` cells is none of a layout.
 std::string WhyRagged(size_t num_cells, const TextLayout& layout);

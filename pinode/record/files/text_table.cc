@@ -46,7 +46,7 @@ class TextTableReader {
       *error_ = path_ + ": " + what;
       return false;
     }
-    LinesOfCarriageReturns(&text_);
+    NormaliseLines(&text_);
     if (encoding_.name != "UTF-8") said_ = "text in " + encoding_.AsText();
     if (!FindTextLayout(text_, path_, format_, &layout_, &what)) {
       return ReadWithoutLayout(what, table);

@@ -52,6 +52,9 @@ struct TextOutline {
   // Other time columns that differ from it, such as `t2` beside `t1`. The
   // channels may then belong to any of the clocks.
   std::vector<int> other_clocks;
+  // Columns of a second clock that says the same as the time, part by part:
+  // Hour, Min and Sec beside a time stamp.
+  std::vector<int> repeated_parts;
   // True for channels: columns that are not the time or a part of it, another
   // time, row numbers or texts.
   std::vector<bool> is_channel;

@@ -229,7 +229,7 @@ std::vector<double> CounterRanges(double second) {
 
 bool IsNameOfTime(const std::string& name) {
   std::string lower = LowerCase(name);
-  for (const char* drop : {"_s", "_ms", "_us", "_sec"}) {
+  for (const char* drop : {"_s", "_ms", "_us", "_ns", "_sec"}) {
     const std::string end = drop;
     if (lower.size() > end.size() &&
         lower.compare(lower.size() - end.size(), end.size(), end) == 0) {
@@ -242,12 +242,26 @@ bool IsNameOfTime(const std::string& name) {
         "datetime", "date time", "date/time", "datum/zeit", "uhrzeit", "temps",
         "tiempo", "tempo", "elapsed", "elapsed time", "rel. time",
         "relative time", "x value", "ms", "us", "msec", "usec", "sec",
-        "seconds", "milliseconds",
+        "seconds", "milliseconds", "millis", "micros",
         // Other languages. The case of their letters stays as it is.
         "czas", "tid", "tijd", "aika", "zaman", "čas", "Čas", "idő", "Idő",
         "Время", "время", "ВРЕМЯ", "Час", "час", "Χρόνος", "χρόνος", "时间",
         "時間", "時刻", "日時", "시간", "경과시간", "経過時間"}) {
     if (lower == known) return true;
+  }
+  return false;
+}
+
+bool HasWordOfTime(const std::string& name) {
+  size_t at = 0;
+  while (at < name.size()) {
+    const std::string word = NextWord(name, &at);
+    for (const char* known :
+         {"time", "timestamp", "elapsed", "seconds", "zeit", "zeitstempel"}) {
+      if (word == known) return true;
+    }
+    // NextWord() stops at a number.
+    if (word.empty()) ++at;
   }
   return false;
 }
@@ -302,6 +316,14 @@ void UnwrapCounter(const std::vector<double>& ranges, Eigen::Ref<Vector> times,
     }
     times[i] += added;
   }
+}
+
+double SecondsOfTicks(double first) {
+  if (first >= kEpochSeconds[0] && first <= kEpochSeconds[1]) return 1.0;
+  for (const Ticks& ticks : kTicks) {
+    if (first >= ticks.lowest && first <= ticks.highest) return ticks.seconds;
+  }
+  return 0.0;
 }
 
 std::string UnitOfTimeAbove(std::string_view preamble,

@@ -20,6 +20,11 @@ constexpr double kLongestStepOfSeconds = 0.5;
 // True for names that people and loggers give to the time.
 bool IsNameOfTime(const std::string& name);
 
+// True for names with a word of the time, such as "seconds_elapsed" and "Sample
+// time". Only the numbers tell that the column is one: "Travel time" may be a
+// channel.
+bool HasWordOfTime(const std::string& name);
+
 // Returns the unit that a name alone states: "ms", "time_us". Empty if none.
 std::string UnitOfTimeName(const std::string& name);
 
@@ -28,6 +33,10 @@ std::string UnitOfTimeName(const std::string& name);
 // none does. The lines `names` are those of names and units.
 std::string UnitOfTimeAbove(std::string_view preamble,
                             const std::vector<int64_t>& names, int64_t* line);
+
+// Returns the seconds of one count of a clock since 1970 or the year 1, told by
+// the size of its first number; 0 for other numbers.
+double SecondsOfTicks(double first);
 
 // Brings the numbers of a time column to a unit that FindTimeGrid can use:
 // finds it (*unit is that of the file, or empty), counts ticks of clocks in
