@@ -66,7 +66,8 @@ bool SelectRows(const Table& table, int column, const std::string& unit,
                table.columns[static_cast<size_t>(j)] +
                "': " + Number(table.values(i - 1, j)) + " on line " +
                Line(table, i - 1) + ", " + Number(table.values(i, j)) +
-               " here)";
+               " here). If the clock is coarser than the rows, give the "
+               "sampling rate instead of the time column";
       return false;
     }
     dropped.push_back(Line(table, i));

@@ -216,7 +216,7 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
       c.remarks,
       ::testing::Contains(::testing::HasSubstr("names are those of times: ")));
 
-  folder_.Write("timed.csv", "time,a1,remark\n0,1,x\n0.5,3,y\n1,2,z\n");
+  folder_.Write("timed.csv", "time,a1,remark\n0,1,x\n0.1,3,y\n0.2,2,z\n");
   file = ModesDataFile();
   file.path = folder_.Path("timed.csv");
   file.columns = {"a1"};

@@ -161,7 +161,7 @@ class HeaderFinder {
       }
       ++seen;
       if (IsSeparatorLine(line)) continue;
-      std::vector<std::string> cells = Cells(line, run.delimiter);
+      std::vector<std::string> cells = CellsAbove(run, line);
       const size_t own = cells.size();
       if (!Fits(run, &cells)) {
         header.is_odd = true;
@@ -224,6 +224,22 @@ class HeaderFinder {
     if (!SplitCells(line, delimiter, &cells_, &storage_)) return cells;
     for (const std::string_view cell : cells_) cells.emplace_back(cell);
     return cells;
+  }
+
+  // Splits a line above the rows. Above columns between blanks, names with
+  // blanks stand two or more of them apart.
+  std::vector<std::string> CellsAbove(const RowRun& run,
+                                      std::string_view line) {
+    std::vector<std::string> cells = Cells(line, run.delimiter);
+    const size_t n = run.kinds.size();
+    if (run.delimiter != ' ' || n < 2 || cells.size() <= n) return cells;
+    std::string wide(StripBlanks(line));
+    ReplaceAll("  ", "\t", &wide);
+    std::vector<std::string> apart;
+    for (std::string& cell : Cells(wide, '\t')) {
+      if (!cell.empty()) apart.push_back(std::move(cell));
+    }
+    return apart.size() == n ? apart : cells;
   }
 
   // Brings a header line to the number of cells of the rows, if it can be one.
@@ -314,7 +330,7 @@ class HeaderFinder {
   bool HasNamesAbove(const RowRun& run, size_t line) {
     for (size_t i = line; i-- > 0;) {
       if (IsNoRow(lines_[i].text) || IsSeparatorLine(lines_[i].text)) continue;
-      std::vector<std::string> cells = Cells(lines_[i].text, run.delimiter);
+      std::vector<std::string> cells = CellsAbove(run, lines_[i].text);
       return Fits(run, &cells) && AreNames(cells);
     }
     return false;
@@ -347,7 +363,7 @@ class HeaderFinder {
     while (IsNoRow(lines_[names].text) || IsSeparatorLine(lines_[names].text)) {
       --names;
     }
-    std::vector<std::string> cells = Cells(lines_[names].text, run.delimiter);
+    std::vector<std::string> cells = CellsAbove(run, lines_[names].text);
     if (!Fits(run, &cells)) return;  // HasNamesAbove() has seen that it does.
     if (IsNameOfTime(units[0])) cells[0] = units[0];
     units[0].clear();
@@ -394,7 +410,7 @@ class HeaderFinder {
   void TakeNamesWithUnits(const RowRun& run, size_t line, TextHeader* header) {
     for (size_t i = line; i-- > 0 && line - i < kMostHeaderLines;) {
       if (IsNoRow(lines_[i].text)) return;
-      std::vector<std::string> cells = Cells(lines_[i].text, run.delimiter);
+      std::vector<std::string> cells = CellsAbove(run, lines_[i].text);
       if (!Fits(run, &cells)) return;
       // "Range [g]" in each column is no name.
       const bool is_title =
@@ -416,6 +432,8 @@ class HeaderFinder {
       if (line.empty() || line.front() != '#') continue;
       line.remove_prefix(std::min(line.find_first_not_of("# "), line.size()));
       std::vector<std::string> cells = Cells(line, run.delimiter);
+      // "#" is the name of row numbers in "#,Time,Acc".
+      if (cells.size() > 1 && cells[0].empty()) cells[0] = "#";
       // "# Rate: 200 Hz" is no line of names.
       const bool are_names =
           std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {

@@ -99,6 +99,32 @@ TEST(TextHeaderTest, WrappedMotions) {
               ElementsAre("t", "x", "y"));
 }
 
+// Names with blanks stand two or more of them apart.
+TEST(TextHeaderTest, NamesWithBlanksBetweenBlanks) {
+  const std::string rows =
+      "  0.00    0.1    -0.2\n  0.01    0.3     0.4\n  0.02   -0.1     0.2\n";
+  const Table table =
+      ParseWithHeader("Time (s)   Acc 1 (g)   Acc 2 (g)\n" + rows);
+  EXPECT_THAT(table.columns, ElementsAre("Time (s)", "Acc 1 (g)", "Acc 2 (g)"));
+  EXPECT_THAT(table.units, ElementsAre("s", "g", "g"));
+  EXPECT_EQ(table.values(2, 1), -0.1);
+  EXPECT_THAT(ParseWithHeader("t   a   b\n" + rows).columns,
+              ElementsAre("t", "a", "b"));
+  Table unused;
+  std::string error;
+  EXPECT_FALSE(ParseTextTable("Time (s) Acc 1 (g)  Acc 2 (g)\n" + rows, "r.txt",
+                              {}, {}, &unused, &error));
+}
+
+// The name of row numbers is no mark of a comment alone.
+TEST(TextHeaderTest, NumberSignOverRowNumbers) {
+  const std::string rows = "1,0.00,0.3\n2,0.01,0.1\n3,0.02,0.5\n";
+  EXPECT_THAT(ParseWithHeader("#,Time,Acc\n" + rows).columns,
+              ElementsAre("#", "Time", "Acc"));
+  EXPECT_THAT(ParseWithHeader("# n,Time,Acc\n" + rows).columns,
+              ElementsAre("n", "Time", "Acc"));
+}
+
 // Pairs of time and value below the line of ObsPy.
 TEST(TextHeaderTest, PairsOfObsPy) {
   TextFormat format;

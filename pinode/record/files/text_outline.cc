@@ -416,7 +416,9 @@ std::vector<std::string> TextOutline::UnusedTimes(
     };
     const bool is_part = has(time_parts);
     const std::string& name = columns[i].short_name;
-    const bool is_named = IsNameOfTime(name) || HasWordOfTime(name) ||
+    const bool is_number = columns[i].kind == CellKind::kNumber;
+    const bool is_named = IsNameOfTime(name) ||
+                          (is_number && HasWordOfTime(name)) ||
                           !UnitOfClockPart(name).empty() || has(repeated_parts);
     if (is_part ? !are_parts_used : is_named) names.push_back(columns[i].name);
   }

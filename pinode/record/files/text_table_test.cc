@@ -452,7 +452,11 @@ TEST(TextTableTest, LargeStepsNeedAUnit) {
                   "column '" +
                   std::string(name) + " [ms]', or give `sampling_rate_hz`"));
   }
-  EXPECT_EQ(ParseText("t,a\n0,1\n0.5,2\n1,3\n", WithTime("t")).time_unit, "s");
+  // Half a second, or a millisecond of a logger of 2000 Hz.
+  EXPECT_THAT(ErrorOf("t,a\n0,1\n0.5,2\n1,3\n", WithTime("t")),
+              HasSubstr("Set `time_unit`"));
+  EXPECT_EQ(ParseText("t,a\n0,1\n0.25,2\n0.5,3\n", WithTime("t")).time_unit,
+            "s");
   TextFormat format = WithTime("t");
   format.time_unit = "s";
   EXPECT_EQ(ParseText("t" + rows, format).values(3, 0), 30.0);

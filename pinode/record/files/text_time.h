@@ -13,9 +13,9 @@
 
 namespace pinode {
 
-// Vibration is hardly ever sampled at longer steps, s. A logger of 1000 Hz that
-// counts milliseconds has a step of 1.
-constexpr double kLongestStepOfSeconds = 0.5;
+// Vibration is hardly ever sampled at longer steps, s. Loggers of 1000, 2000
+// and 2560 Hz that count milliseconds have steps of 1, 0.5 and 0.39.
+constexpr double kLongestStepOfSeconds = 0.3;
 
 // True for names that people and loggers give to the time.
 bool IsNameOfTime(const std::string& name);

@@ -103,7 +103,7 @@ TEST(TextTimeTest, UnitAboveTheNames) {
         "Time [ ms ]", "# time in ms and acceleration in g",
         "# Time in ms - acceleration in g", "# Time in ms\tacc in g"}) {
     const std::string error = Read(
-        TextOf("# Rate: 100 Hz\n" + std::string(line) + "\nt,a\n", 0.0, 0.4),
+        TextOf("# Rate: 100 Hz\n" + std::string(line) + "\nt,a\n", 0.0, 0.2),
         {}, &table);
     EXPECT_THAT(error, HasSubstr("r.csv:2: this line may state")) << line;
     EXPECT_THAT(error, HasSubstr("set `time_unit`"));
@@ -113,7 +113,7 @@ TEST(TextTimeTest, UnitAboveTheNames) {
         "# Start time 12:00, range 5 mg", "# ms", "# timer; ms",
         "# Start time (ms resolution)", "# t: time, ms: strain",
         "# Zero time, us standard"}) {
-    EXPECT_EQ(Read(TextOf(std::string(line) + "\nt,a\n", 0.0, 0.4), {}, &table),
+    EXPECT_EQ(Read(TextOf(std::string(line) + "\nt,a\n", 0.0, 0.2), {}, &table),
               "")
         << line;
   }
