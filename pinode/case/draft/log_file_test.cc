@@ -87,10 +87,10 @@ TEST(LogFileTest, AsksForTheTimeOfArrays) {
   EXPECT_EQ(question.flag, "time");
 }
 
-// The reader takes steps of up to 0.5 for seconds, so they need no question.
+// The reader takes steps of up to 0.3 for seconds, so they need no question.
 TEST(LogFileTest, AsksForTheUnitOfLargeStepsAlone) {
   const TemporaryFolder folder;
-  for (const double step : {0.5, 0.625}) {
+  for (const double step : {0.25, 0.5}) {
     std::string text = "t;acc_1 [g]\n";
     for (int i = 0; i < 100; ++i) {
       text +=
@@ -101,9 +101,9 @@ TEST(LogFileTest, AsksForTheUnitOfLargeStepsAlone) {
     std::string error;
     EXPECT_EQ(
         ReadLogFile(folder.Write("log.csv", text), {}, &log, &question, &error),
-        step == 0.5)
+        step == 0.25)
         << error;
-    EXPECT_EQ(question.flag, step == 0.5 ? "" : "time_unit");
+    EXPECT_EQ(question.flag, step == 0.25 ? "" : "time_unit");
   }
 }
 

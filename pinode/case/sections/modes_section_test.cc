@@ -221,7 +221,7 @@ TEST_F(ModesSectionTest, DataFileIsEnough) {
   file.path = folder_.Path("timed.csv");
   file.columns = {"a1"};
   ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
-  EXPECT_EQ(c.records[0].sampling_step, 0.5);
+  EXPECT_EQ(c.records[0].sampling_step, 0.1);
   EXPECT_EQ(c.records[0].num_channels(), 1);
 }
 
