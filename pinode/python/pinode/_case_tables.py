@@ -12,6 +12,7 @@ from typing import Any
 
 from ._arguments import words_of
 from ._columns import curves
+from ._part_checks import check_names_of_columns
 from ._pinode import Error
 
 # Keywords of a case, and their tables in a case file.
@@ -65,9 +66,26 @@ def check_parts(parts: Mapping[str, Any]) -> None:
 def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the parts of a case as the tables of a file."""
     tables = {KEYS.get(key, key): part for key, part in parts.items()}
+    if "group" in tables and isinstance(tables.get("model"), Mapping):
+        tables["group"] = [_group(f"groups[{i}]", group, tables["model"])
+                           for i, group in enumerate(tables["group"])]
     if "reference_curve" in tables:
         tables["reference_curve"] = curves(tables["reference_curve"])
     return tables
+
+
+def _group(where: str, group: Mapping[str, Any], model: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Returns the table of a group. A matrix over all DOFs of a finite-element model is
+    reduced as the model is: it is the key `set_export`.
+    """
+    export = model.get("finite_element") or {}
+    check_names_of_columns(f"{where}: matrix", getattr(group, "columns", None),
+                           export.get("dofs") if export else model.get("dofs"))
+    shape = getattr(group.get("matrix"), "shape", None)
+    is_whole = shape is not None and shape == getattr(export.get("mass"), "shape", None)
+    if not is_whole or not (model.get("reduction") or export.get("remove_dofs")):
+        return group
+    return {"set_export" if key == "matrix" else key: value for key, value in group.items()}
 
 
 def purpose_of(tree: Mapping[str, Any]) -> str:

@@ -62,7 +62,7 @@ def prediction(
                  label="95 % of measurements")
             ax.plot(time, measured[where], label="measured", **MEASURED)
             if name in before:
-                ax.plot(time, before[name][where], label="model before", zorder=1.9, **PRIOR)
+                ax.plot(time, before[name][where], label="initial model", zorder=1.9, **PRIOR)
             ax.plot(time, predicted[where], label="model", **UPDATED)
             ax.set_ylabel(label(name, result.units[name]))
             ax.set_ylim(*_range(measured, predicted, before.get(name)))
@@ -96,7 +96,7 @@ def time_units(outcome: Any) -> "dict[str, str]":
 def _title(name: str, score: dict[str, Any], channel: "dict[str, Any] | None") -> str:
     role = "hold-out" if score["role"] == "holdout" else "training"
     text = f"{name} in {score['name']} ({role})"
-    for key, words in (("nrmse", "error"), ("prior_nrmse", "before")):
+    for key, words in (("nrmse", "error"), ("prior_nrmse", "initial model")):
         if channel is not None and channel[key] is not None:
             text += f", {words} {100.0 * channel[key]:.3g} %"
     return text

@@ -70,5 +70,8 @@ def badge(verdict: str) -> str:
 
 def section(title: str, *parts: str, verdict: str | None = None) -> str:
     mark = "" if verdict is None else badge(verdict)
-    return (f'{_STYLE}<div class="pinode">{mark}<p><b>{escape(title)}</b></p>'
-            f"{''.join(parts)}</div>")
+    # A verdict may have many sentences, of which the first is the answer.
+    first, _, others = title.partition(". ")
+    heading = f"<p><b>{escape(first)}{'.' if others else ''}</b></p>"
+    rest = f"<p>{escape(others)}</p>" if others else ""
+    return f'{_STYLE}<div class="pinode">{mark}{heading}{rest}{"".join(parts)}</div>'

@@ -353,7 +353,13 @@ class Outcome:
         deck: input deck of CalculiX or Abaqus from which the matrices come. The
             folder then has <name>_updated.inp with the identified properties.
         """
-        self._handle.save(as_path("folder", folder), overwrite, mat, as_path("deck", deck))
+        try:
+            self._handle.save(as_path("folder", folder), overwrite, mat, as_path("deck", deck))
+        except Error as failure:
+            if not str(failure).endswith("--deck needs it"):
+                raise
+            raise Error("deck is given, but the model does not come from a finite-element program, "
+                        "expected a case with a FiniteElementModel") from None
 
     def to_pandas(self, what: str = "parameters") -> "DataFrame":
         """Returns a part of the result as a frame of pandas, see frames.frame.

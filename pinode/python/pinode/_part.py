@@ -33,6 +33,11 @@ class Part(dict):
         return f"{type(self).__name__}({', '.join(words)})"
 
 
+def counted(count: int, word: str) -> str:
+    """Returns "1 record" or "2 records"."""
+    return f"{count} {word}" + ("" if count == 1 else "s")
+
+
 def as_matrix(value: Any) -> Any:
     """Returns lists of numbers, lists of rows, and columns and frames of pandas as an
     array. Other values are unchanged.

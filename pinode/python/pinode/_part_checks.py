@@ -9,10 +9,17 @@ from typing import Any
 import numpy as np
 
 from ._arguments import NUMBER, hint, words_of
-from ._part import as_matrix
+from ._part import as_matrix, counted
 from ._pinode import Error, element_types, function_error
 
 _DAMPING_RULES = ("rayleigh", "ratios", "diagonal")
+
+
+def shape_words(shape: tuple[int, ...]) -> str:
+    """Returns a shape as text for a message: "2 x 3", or "an array of 3 numbers"."""
+    if len(shape) == 1:
+        return f"an array of {counted(shape[0], 'number')}"
+    return " x ".join(map(str, shape)) or "no array"
 
 
 def check_square(where: str, name: str, matrix: Any, size: int | None = None) -> None:
@@ -25,24 +32,43 @@ def check_square(where: str, name: str, matrix: Any, size: int | None = None) ->
         shape = ()
     wanted = "n x n" if size is None else f"{size} x {size}"
     if len(shape) != 2 or shape[0] != shape[1] or size not in (None, shape[0]):
-        found = " x ".join(map(str, shape)) or "no array"
         as_mass = "" if size is None else " as mass is"
-        raise Error(f"{where}: {name} is {found}, expected {wanted}{as_mass}")
+        raise Error(f"{where}: {name} is {shape_words(shape)}, expected {wanted}{as_mass}")
     values = np.asarray(matrix.data if hasattr(matrix, "tocsc") else as_matrix(matrix))
     # Anything but a number is refused with the case.
     if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
         raise Error(f"{where}: {name} has a value that is not finite, expected numbers")
 
 
-def check_values(where: str, name: str, values: list[Any], count: int) -> None:
-    """Raises an Error unless there are `count` positive numbers."""
+def check_values(where: str, name: str, values: list[Any], count: int, *,
+                 zero: bool = False) -> None:
+    """Raises an Error unless there are `count` positive numbers, or zeros if `zero`."""
     if len(values) != count:
-        raise Error(f"{where}: {name} has {len(values)} values, expected {count}, one for each of "
-                    "masses")
+        raise Error(f"{where}: {name} has {counted(len(values), 'value')}, expected {count}, one "
+                    "for each of masses")
+    expected = "zero or a positive number" if zero else "a positive number"
     for i, value in enumerate(values):
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not 0.0 < value < np.inf:
-            raise Error(f"{where}: {name}[{i}] is {value}, expected a positive number")
+        if not is_number or not 0.0 <= value < np.inf or (value == 0.0 and not zero):
+            raise Error(f"{where}: {name}[{i}] is {value}, expected {expected}")
+
+
+def check_dofs(where: str, dofs: Any, size: int | None, of: str) -> None:
+    """Raises an Error unless there is a name for each of the `size` entries of `of`."""
+    if dofs is not None and size is not None and len(dofs) != size:
+        raise Error(f"{where}: dofs has {counted(len(dofs), 'name')} and {of}, expected one for "
+                    "each")
+
+
+def check_names_of_columns(where: str, columns: list[str] | None, dofs: Any) -> None:
+    """Raises an Error if the columns of a frame name the DOFs in another order, or only
+    some of them.
+    """
+    if columns is None or not isinstance(dofs, (list, tuple)) or list(dofs) == columns:
+        return
+    if set(columns) & set(dofs):
+        raise Error(f"{where} has the columns {', '.join(columns):.60}, expected the DOFs of the "
+                    f"model in their order: {', '.join(map(str, dofs)):.60}")
 
 
 def check_damping(where: str, damping: Any) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from . import _pinode
 from ._arguments import LIST
 from ._pinode import Error
+from ._words import in_python
 from .case import Case
 from .measurements import Record
 
@@ -51,8 +52,11 @@ def predicted(outcome: Any, record: Mapping[str, Any]) -> RecordResult:
     with tempfile.TemporaryDirectory(prefix="pinode_") as folder:
         outcome._handle.save_model(folder)
         path = str(Path(folder) / "model.toml")
-        case = Case.from_dict(_for_simulation(_pinode.toml_tree(path), record), path=path)
-        found = case.simulate(noise_percent=0.0)[record["name"]]
+        try:
+            case = Case.from_dict(_for_simulation(_pinode.toml_tree(path), record), path=path)
+            found = case.simulate(noise_percent=0.0)[record["name"]]
+        except Error as failure:  # without the file that is gone when the user reads it
+            raise Error(in_python(str(failure).replace(f"{path}: ", ""))) from None
     if not found["finite"]:
         raise Error(f"record '{record['name']}': the motion of the model does not stay finite "
                     f"{found['remark']}")

@@ -7,6 +7,7 @@ from typing import Any
 
 from . import _html
 
+_SCORES = ["record", "role", "error (%)", "initial (%)"]
 CHANGE_HEADER = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
 
 
@@ -17,15 +18,18 @@ def change_row(group: Mapping[str, Any]) -> list[Any]:
 def summary_lines(parameters: Iterable[Any], records: Iterable[Any]) -> list[str]:
     """Returns parameters and errors of records as lines for a terminal."""
     found = _html.plain_table(
-        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
+        ["parameter", "initial", "value", "from", "to (95 %)", "unit"],
         [[p.name, p.initial, p.value, p.lower95, p.upper95, p.unit] for p in parameters],
     )
     scores = _html.plain_table(
-        ["record", "role", "error (%)", "before (%)"],
-        [[r["name"], r["role"], _percent(r["nrmse"]), _percent(r["prior_nrmse"])]
-         for r in records],
+        _SCORES, [_score(r) for r in records],
     )
     return [*found, *([""] if found and scores else []), *scores]
+
+
+def _score(record: Mapping[str, Any]) -> list[Any]:
+    return [record["name"], record["role"], _percent(record["nrmse"]),
+            _percent(record["prior_nrmse"])]
 
 
 def _percent(share: Any) -> Any:
@@ -35,11 +39,9 @@ def _percent(share: Any) -> Any:
 def tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:
     """Returns parameters and errors of records as tables for notebooks."""
     keys = ("name", "initial", "value", "lower95", "upper95", "unit")
-    scores = ("name", "role", "nrmse", "prior_nrmse")
     return _html.table(
-        ["parameter", "before", "value", "from", "to (95 %)", "unit"],
+        ["parameter", "initial", "value", "from", "to (95 %)", "unit"],
         [[p[key] for key in keys] for p in parameters],
     ) + _html.table(
-        ["record", "role", "error", "error before"],
-        [[r[key] for key in scores] for r in records],
+        _SCORES, [_score(r) for r in records],
     )

@@ -16,6 +16,11 @@ from ._pinode import Error
 
 _PLURALS = {table: key for key, table in KEYS.items()} | {"channel": "channels"}
 _KEYWORDS = {"frequency": "frequency_hz", "channel": "channels"}
+_MODELS = {"shear_building": "ShearBuilding", "finite_element": "FiniteElementModel"}
+# Endings of sentences that name what a file has.
+_KINDS = {"expected a table": "expected a dictionary",
+          "expected a text in quotes": "expected a text",
+          "an array, expected tables, each under a header": "a list, expected a dictionary for"}
 _LISTS = "|".join(_PLURALS)
 
 
@@ -27,9 +32,12 @@ def in_python(sentence: str) -> str:
     sentence = re.sub(r"\[\[(\w+)\]\] (\d+)", _place, sentence)
     sentence = re.sub(r"\[\[(?:\w+\.)?(\w+)\]\]",
                       lambda m: _PLURALS.get(m[1], m[1]), sentence)
-    sentence = re.sub(r"\[(?:model\.)?([a-z_]+)\](?=:|,| \w|$|\.)", r"\1", sentence)
+    sentence = re.sub(r"\[(?:model\.)?([a-z_]+)\](?=:|,|;| \w|$|\.)", r"\1", sentence)
+    sentence = re.sub(r"(?<![\w'\"])(?:model\.)?(shear_building|finite_element)\b",
+                      lambda m: _MODELS[m[1]], sentence)
     sentence = re.sub(rf"<?\b({_LISTS})\[(\d+)\]\.?([\w.\[\]]*?)>?(?=:|,| |$)", _path, sentence)
     sentence = re.sub(r"<(\w+)\.([\w.]+)>", r"\1.\2", sentence)
+    sentence = re.sub(r"\b(records\[\d+\]):(\d+): ", r"\1, sample \2: ", sentence)
     # Tables within braces.
     sentence = re.sub(r"(?<=[{,]) ?(\w+) = ", lambda m: f' "{m[1]}": ', sentence)
     sentence = sentence.replace('{ "', '{"')
@@ -37,6 +45,9 @@ def in_python(sentence: str) -> str:
     sentence = re.sub(r"=true\b", "=True", sentence)
     sentence = re.sub(r"=false\b", "=False", sentence)
     sentence = re.sub(r"'(frequency|channel)' is", lambda m: f"'{_KEYWORDS[m[1]]}' is", sentence)
+    sentence = re.sub(r"has entries of type [<>|=]?[US]\d+", "has texts", sentence)
+    for of_file, of_python in _KINDS.items():
+        sentence = sentence.replace(of_file, of_python)
     return sentence.replace("a file's name, rows [[...], ...]", "an array, rows [[...], ...]")
 
 

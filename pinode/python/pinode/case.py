@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import ANY, FLAG, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, takes, unknown_keyword
+from ._arguments import (ANY, COUNT, FLAG, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, takes,
+                         unknown_keyword)
 from ._case_tables import KEYS, check_parts, purpose_of, tables_of
-from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher
+from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher, counted
 from ._pinode import Error
 from ._words import speaks_python
 from .progress import watched
@@ -395,7 +396,7 @@ class Case:
         )
 
     @speaks_python
-    @takes(profiles=FLAG, threads=WHOLE, overwrite=FLAG, resume=FLAG)
+    @takes(profiles=FLAG, threads=COUNT, overwrite=FLAG, resume=FLAG)
     def identify(
         self,
         *,
@@ -450,7 +451,7 @@ class Case:
             )
 
     @speaks_python
-    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=WHOLE, overwrite=FLAG,
+    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=COUNT, overwrite=FLAG,
            resume=FLAG)
     def damage(
         self,
@@ -496,7 +497,7 @@ class Case:
             )
 
     @speaks_python
-    @takes(threads=WHOLE, overwrite=FLAG, resume=FLAG)
+    @takes(threads=COUNT, overwrite=FLAG, resume=FLAG)
     def discover(
         self,
         *,
@@ -541,8 +542,8 @@ class Case:
     def __repr__(self) -> str:
         return (
             f"Case({self.title or self.path or 'from memory'}: "
-            f"{len(self.dofs)} DOFs, {len(self.records)} records, "
-            f"{sum(p['free'] for p in self.parameters.values())} free parameters)"
+            f"{counted(len(self.dofs), 'DOF')}, {counted(len(self.records), 'record')}, "
+            f"{counted(sum(p['free'] for p in self.parameters.values()), 'free parameter')})"
         )
 
     def _repr_html_(self) -> str:

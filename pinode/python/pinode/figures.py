@@ -263,8 +263,8 @@ def modes(outcome: Any) -> "Figure | None":
     figure, (ax,) = panels(height=2.8)
     places = np.arange(1, len(pairs) + 1)
     ax.bar(places - 0.2, [m["initial_hz"] for m in pairs], 0.4, color=PRIOR["color"],
-           label="before")
-    ax.bar(places + 0.2, [m["updated_hz"] for m in pairs], 0.4, color=BLUE, label="after")
+           label="initial")
+    ax.bar(places + 0.2, [m["updated_hz"] for m in pairs], 0.4, color=BLUE, label="updated")
     ax.set_xticks(places)
     ax.set_xlabel("mode")
     ax.set_ylabel("frequency (Hz)")
@@ -283,8 +283,8 @@ def mode_shapes(outcome: Any, *, most: int = 6) -> "Figure | None":
     for number, (ax, pair) in enumerate(zip(axes, pairs)):
         places = np.arange(len(dofs))
         ax.plot(pair.initial, places, "o", ls=PRIOR["ls"], color=PRIOR["color"], ms=5,
-                mfc="none", lw=1.0, label="before")
-        ax.plot(pair.updated, places, "o-", color=BLUE, ms=3.5, lw=1.0, label="after")
+                mfc="none", lw=1.0, label="initial")
+        ax.plot(pair.updated, places, "o-", color=BLUE, ms=3.5, lw=1.0, label="updated")
         ax.axvline(0.0, color=GREY, lw=0.8, zorder=0)
         ax.set_xlim(-1.15, 1.15)
         _name_places(ax, dofs, 12)

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _html, _pinode
 from ._arguments import FLAG, takes
-from ._part import as_path
+from ._part import as_path, counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,8 @@ class Check(dict):
         if "not_assessed" in self:
             return f"Not assessed: {self['not_assessed']}"
         if "num_free" in self:
-            return f"{self['num_free']} free parameters, {self['num_residuals']} residuals"
+            return (f"{counted(self['num_free'], 'free parameter')}, "
+                    f"{counted(self['num_residuals'], 'residual')}")
         return "Nothing was measured"
 
     def __repr__(self) -> str:
@@ -54,7 +55,7 @@ class Check(dict):
             found = [f"- {sentence}" for sentence in self.get(key, [])]
             lines += [*([title] if found and title else []), *found]
         expected = _html.plain_table(
-            ["parameter", "before", "expected deviation", "unit"],
+            ["parameter", "initial", "expected deviation", "unit"],
             [[e["name"], e["initial"], e["sigma"], e["unit"]] for e in self.get("expected", [])])
         steps = _html.plain_table(
             ["record", "integrator", "steps a sample"],
@@ -71,7 +72,7 @@ class Check(dict):
         return _html.section(
             title,
             _html.sentences("Cannot be determined:", self.get("undetermined", [])),
-            _html.table(["parameter", "before", "expected deviation", "unit"], expected),
+            _html.table(["parameter", "initial", "expected deviation", "unit"], expected),
             _html.table(["record", "integrator", "steps a sample"], steps),
             _html.sentences(
                 "Remarks:", [*self.get("remarks", []), *self.get("assessment_remarks", [])]
@@ -155,9 +156,8 @@ class Simulation(Mapping):
              float(np.abs(values).max())]
             for name, r in self.items() for channel, values in r["channels"].items()
         ]
-        count = f"{len(self)} record" + ("" if len(self) == 1 else "s")
         return _html.section(
-            f"Simulation of {count}",
+            f"Simulation of {counted(len(self), 'record')}",
             _html.table(["record", "samples", "channels", ""], records),
             _html.table(["record", "channel", "rms", "largest"], channels),
         )
@@ -234,5 +234,5 @@ class SensorPlan(Sequence):
         rows = [[s["name"], s["quantity"], f"{s['sigma']:.3g} {s['unit']}", s["typical"],
                  s["worst"], s["worst_of"]] for s in self._sensors]
         header = ["sensor", "quantity", "noise", "typical deviation", "worst", "of"]
-        return _html.section(f"{len(self)} sensors for {', '.join(self.targets)}",
+        return _html.section(f"{counted(len(self), 'sensor')} for {', '.join(self.targets)}",
                              _html.table(header, rows))

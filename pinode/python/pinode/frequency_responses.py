@@ -11,7 +11,7 @@ import numpy as np
 from . import _pinode
 from ._arguments import ANY, NOT_NEGATIVE, POSITIVE, TEXT, takes
 from ._arrays import as_array
-from ._part import as_path, as_sequence
+from ._part import as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
 
@@ -63,7 +63,8 @@ class FrequencyResponses:
 
     def __repr__(self) -> str:
         return (f"FrequencyResponses({len(self.responses)} x {len(self.references)}, "
-                f"{len(self.frequencies_hz)} lines, {self.num_blocks} blocks)")
+                f"{counted(len(self.frequencies_hz), 'line')}, "
+                f"{counted(self.num_blocks, 'block')})")
 
 
 @takes(force=ANY, responses=ANY, estimator=TEXT, excitation=TEXT, block=POSITIVE, overlap=NOT_NEGATIVE,
@@ -108,12 +109,20 @@ def estimate_frfs(
                     "displacement")
     rate = rate_from("estimate_frfs", step, fs, sampling_rate_hz)
     if rate is None:
-        raise Error("estimate_frfs needs step or fs")
+        raise Error("estimate_frfs: 'step' is missing, expected step=seconds or fs=samples a second")
     several = isinstance(force, (list, tuple)) and len(force) > 0 and np.ndim(force[0]) > 0
     if several and (not isinstance(responses, (list, tuple)) or len(responses) != len(force)):
         raise Error(f"force has {len(force)} records, expected as many responses")
     pairs = list(zip(force, responses)) if several else [(force, responses)]
     records = [(_columns("force", one), _columns("responses", other)) for one, other in pairs]
+    for i, (one, other) in enumerate(records):
+        if len(one) != len(other):
+            place = f"[{i}]" if several else ""
+            turned = other.shape[1] == len(one)
+            raise Error(f"responses{place} is {other.shape[0]} x {other.shape[1]} and force{place} "
+                        f"has {counted(len(one), 'sample')}, expected samples x channels"
+                        + ("; if each row is a channel, pass its transpose, responses.T"
+                           if turned else ", as many samples for both"))
     width = [records[0][0].shape[1], records[0][1].shape[1]]
     handle = _pinode.estimate_frfs(
         records, 1.0 / rate,

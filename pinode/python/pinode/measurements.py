@@ -68,6 +68,8 @@ class Channel(Part):
     sigma: standard deviation of the noise, in `unit`. Default: it is estimated.
     sigma_percent: sigma in per cent of the channel's standard deviation.
     fit: False: the channel is predicted and scored, but not fitted.
+    gain, offset, delay: corrections of the sensor. An Unknown is searched for, and a
+        number is fixed.
     """
 
     @takes(name=TEXT, values=either(VALUES, TEXT), quantity=TEXT, **_CHANNEL)
@@ -89,6 +91,9 @@ class Channel(Part):
         if _dimensions(values) > 1:
             raise Error(f"Channel({name!r}): values is {words_of(values)}, expected one number a "
                         "sample; pinode.channels makes a channel of each column")
+        # A number is a fixed value.
+        keys |= {key: {"initial": float(keys[key]), "free": False}
+                 for key in ("gain", "offset", "delay") if NUMBER.fits(keys.get(key))}
         super().__init__(
             name=name,
             values=values,
@@ -246,15 +251,10 @@ class Record(Part):
             ("motion", "dof", motion),
             ("covariate", "name", covariate),
         ):
-            if given is None:
+            if not given:
                 continue
-            if not isinstance(given, Mapping):
-                raise Error(
-                    f"record '{name}': '{key}' is a value of type "
-                    f"{type(given).__name__}, expected {{{place}: values}}"
-                )
             for at, values in given.items():
-                if len(getattr(values, "shape", ())) > 1:
+                if values is None or len(getattr(values, "shape", ())) > 1:
                     raise Error(f"record '{name}': {key}[{at!r}] is {words_of(values)}, expected "
                                 "one number a sample")
             signals[key] = [

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import functools
 import os
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _html, _pinode
-from ._arguments import (ANY, FLAG, LIST, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, check_kind,
-                         either, takes, words_of)
+from ._arguments import (ANY, COUNT, FLAG, LIST, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, Kind,
+                         check_kind, either, hint, takes, words_of)
 from ._arrays import as_array, is_frame
 from ._conditioned import check_band, check_trend, conditioned
-from ._part import as_flag, as_folder, as_path, as_sequence
+from ._part import as_flag, as_folder, as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
 
@@ -25,6 +27,9 @@ if TYPE_CHECKING:
 # Ends of the names of data files, which may have .gz behind them.
 _DATA_FILES = (".csv", ".txt", ".tsv", ".dat", ".uff", ".unv", ".mat", ".npz", ".npy", ".h5",
                ".hdf5", ".at2")
+_SETUP_KEYS = ("values", "step", "fs", "sampling_rate_hz", "names", "quantity", "loads",
+               "free_decay")
+_TIME = Kind("the name of the column of a data file; arrays take step or fs", TEXT.fits)
 _DERIVATIVES = {"displacement": 0, "strain": 0, "velocity": 1, "acceleration": 2}
 # As channels of a case have them; modes are the same of both.
 _LONGER = {"absolute_displacement": "displacement", "absolute_acceleration": "acceleration",
@@ -205,19 +210,19 @@ class IdentifiedModes(Sequence):
     def _repr_html_(self) -> str:
         rows = [
             [i + 1, m["frequency_hz"], m["frequency_lower95"], m["frequency_upper95"],
-             m["damping_ratio"], m["damping_lower95"], m["damping_upper95"],
+             *(100.0 * m[key] for key in ("damping_ratio", "damping_lower95", "damping_upper95")),
              "harmonic" if m["is_harmonic"] else ""]
             for i, m in enumerate(self._modes)
         ]
-        header = ["mode", "Hz", "from", "to (95 %)", "damping ratio", "from", "to (95 %)", ""]
-        return _html.section(f"{len(self)} modes", _html.table(header, rows))
+        header = ["mode", "Hz", "from", "to (95 %)", "damping (%)", "from", "to (95 %)", ""]
+        return _html.section(counted(len(self), "mode"), _html.table(header, rows))
 
 
-@takes(records=ANY, free_decay=FLAG, method=TEXT, time=TEXT, time_unit=TEXT, time_format=TEXT,
+@takes(records=ANY, free_decay=FLAG, method=TEXT, time=_TIME, time_unit=TEXT, time_format=TEXT,
        header_lines=WHOLE, delimiter=TEXT, decimal=TEXT, encoding=TEXT,
        scale=either(NUMBER, MAPPING), title=TEXT, lowest_hz=POSITIVE, highest_hz=POSITIVE,
        block_rows=WHOLE, max_order=WHOLE, max_damping_ratio=POSITIVE,
-       references=LIST, pick=LIST, threads=WHOLE, overwrite=FLAG)
+       references=LIST, pick=LIST, threads=COUNT, overwrite=FLAG)
 def identify_modes(
     records: Any,
     *,
@@ -327,24 +332,39 @@ def identify_modes(
                "scale": scale}
     of_arrays = {"detrend": trend, "filter_hz": band}
     if _is_data_file(records, of_file):
-        _refuse_given("these are of arrays", of_arrays)
+        _refuse_given("records is a file, which is not prepared", of_arrays)
         handle = _of_data_file(records, options, **one, **of_file, title=str(title))
     elif (handle := _of_case(records, options)) is not None:
-        _refuse_given("a case says itself what its records are",
+        _refuse_given("records is a case, which describes its records itself",
                       {**one, **of_file, **of_arrays, "title": title or None})
     else:
-        _refuse_given("arrays are no files; their `names` and `step` say it", of_file)
+        _refuse_given("records is an array, and this argument is for data files", of_file)
         setups = records if isinstance(records, Mapping) else {"record": {"values": records}}
-        handle = _pinode.ModesHandle.from_setups(
-            [_setup(str(name), setup, {**one, **of_arrays}) for name, setup in setups.items()],
-            options,
-            title=str(title),
-        )
-    handle.find(threads)
+        given = [_setup(str(name), setup, {**one, **of_arrays}, setups is not records)
+                 for name, setup in setups.items()]
+        with _in_words():
+            handle = _pinode.ModesHandle.from_setups(given, options, title=str(title))
+    with _in_words():
+        handle.find(threads)
     found = IdentifiedModes(handle)
     if output:
         found.save(output, overwrite=overwrite)
     return found
+
+
+@contextlib.contextmanager
+def _in_words() -> Iterator[None]:
+    """Names the function in place of the table of a case file in an Error."""
+    try:
+        yield
+    except Error as failure:
+        words = re.sub(r"^\[modes\]( \w+)?: ", lambda m: f"identify_modes:{f'{m[1]}:' if m[1] else ''} ",
+                       str(failure))
+        if words == str(failure):
+            raise
+    else:
+        return
+    raise Error(words)
 
 
 def _in_python(remark: str) -> str:
@@ -435,23 +455,32 @@ def _of_case(records: Any, options: dict[str, Any]) -> Any:
     return _pinode.ModesHandle.from_tree(tree, path)
 
 
-def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
-    """Returns the table of one set-up. `one` has the values that set-ups share."""
+def _setup(name: str, setup: Any, one: Mapping[str, Any], single: bool) -> tuple[Any, ...]:
+    """Returns the table of one set-up. `one` has the values that set-ups share. `single`:
+    the user gave an array, not a dictionary of set-ups.
+    """
     if is_frame(setup):
         setup = {"values": setup}
     if not isinstance(setup, Mapping) or "values" not in setup:
         raise Error(f"records: set-up '{name}': expected {{'values': ..., 'step': ...}}")
-    values = _columns("records", setup["values"])
+    for key in setup:
+        if key not in _SETUP_KEYS:
+            raise Error(f"records[{name!r}] has no key '{key!s:.40}'; {hint(str(key), _SETUP_KEYS)}")
+    argument = "records" if single else f"records[{name!r}]['values']"
+    values = _columns(argument, setup["values"])
     count = values.shape[1] if values.ndim == 2 else 0
     if values.ndim == 2 and values.shape[0] < count:
         raise Error(
-            f"set-up '{name}': the values are {values.shape[0]} x {count}, expected samples x "
-            "channels; if each row is a channel, pass the transpose, values.T"
+            f"{argument} is {values.shape[0]} x {count}, expected samples x channels; if each row "
+            f"is a channel, pass its transpose, {'records' if single else 'values'}.T"
         )
     places = setup.get("names", one["names"])
     if places is None and is_frame(setup["values"]):
         places = [str(name) for name in setup["values"].columns]
     places = [f"a{i + 1}" for i in range(count)] if places is None else as_sequence("names", places)
+    if len(places) != count:
+        raise Error(f"names has {counted(len(places), 'name')} and {argument} "
+                    f"{counted(count, 'channel')}, expected one for each")
     own = [setup.get(key) for key in ("step", "fs", "sampling_rate_hz")]
     rate = rate_from(f"set-up '{name}'", *own)
     step = one["step"] if rate is None else own[0] if own[0] is not None else 1.0 / rate
@@ -466,7 +495,7 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any]) -> tuple[Any, ...]:
     return (
         name,
         places,
-        _derivatives(setup.get("quantity", one["quantity"]), count),
+        _derivatives(setup.get("quantity", one["quantity"]), count, argument),
         values,
         step,
         None if loads is None else _columns("loads", loads),
@@ -483,18 +512,23 @@ def _columns(name: str, values: Any) -> np.ndarray:
             "samples x channels"
         ) from None
     if values.dtype.kind not in "iuf":
-        raise Error(f"{name} has entries of type {values.dtype}, expected numbers")
-    if values.ndim not in (1, 2):
-        raise Error(f"{name} is {words_of(values)}, expected samples x channels")
+        found = "texts" if values.dtype.kind in "US" else f"entries of type {values.dtype}"
+        raise Error(f"{name} has {found}, expected numbers")
+    if values.ndim not in (1, 2) or values.size == 0:
+        found = "empty" if values.size == 0 else words_of(values)
+        raise Error(f"{name} is {found}, expected samples x channels")
     return values[:, None] if values.ndim == 1 else values
 
 
-def _derivatives(quantity: str | Sequence[str], count: int) -> list[int]:
+def _derivatives(quantity: str | Sequence[str], count: int, argument: str) -> list[int]:
     quantities = [quantity] * count if isinstance(quantity, str) else as_sequence("quantity", quantity)
+    if len(quantities) != count:
+        raise Error(f"quantity is a list of {len(quantities)} and {argument} has "
+                    f"{counted(count, 'channel')}, expected one for each")
     for name in quantities:
         if not isinstance(name, str) or _short(name) not in _DERIVATIVES:
             raise Error(
-                f"'{name}' is no quantity, expected one of {', '.join(_DERIVATIVES)}"
+                f"quantity is {words_of(name)}, expected one of {', '.join(_DERIVATIVES)}"
             )
     return [_DERIVATIVES[_short(name)] for name in quantities]
 

@@ -49,10 +49,13 @@ from ._part import (
 from ._part_checks import (
     check_bounds,
     check_damping,
+    check_dofs,
     check_functions,
     check_law,
+    check_names_of_columns,
     check_square,
     check_values,
+    shape_words,
 )
 from ._pinode import Error
 
@@ -93,9 +96,7 @@ def _size_of(mass: Any) -> int:
     except ValueError:  # rows of different lengths
         shape = ()
     if len(shape) != 2:
-        raise Error(
-            f"mass is {' x '.join(map(str, shape)) or 'no array'}, expected n x n numbers"
-        )
+        raise Error(f"mass is {shape_words(shape)}, expected n x n numbers")
     return shape[0]
 
 
@@ -107,7 +108,7 @@ _DAMPING = Kind(
 _PARAMETER = {"initial": NUMBER, "lower": NUMBER, "upper": NUMBER, "prior_mean": NUMBER,
               "prior_sigma": POSITIVE, "free": FLAG, "tie": TEXT, "tie_factor": NUMBER}
 _MODEL = {"dofs": NAMES, "influence": MAPPING, "support_mass_coupling": MAPPING,
-          "expected_hz": either(NUMBER, VALUES)}
+          "expected_hz": VALUES}
 _ACTS_AS = one_of("acceleration", "force")
 
 
@@ -143,11 +144,12 @@ class Model(Part):
         check_square("Model", "stiffness", stiffness, size)
         check_square("Model", "damping", damping, size)
         check_damping("Model", damping)
-        if size is not None and len(as_names("dofs", dofs)) != size:
-            raise Error(f"Model: dofs has {len(dofs)} names and mass is {size} x {size}, expected "
-                        "one for each row")
+        dofs = as_names("dofs", dofs)
+        check_dofs("Model", dofs, size, f"mass is {size} x {size}")
+        for name, matrix in (("mass", mass), ("stiffness", stiffness), ("damping", damping)):
+            check_names_of_columns(f"Model: {name}", _names_of_columns(matrix=matrix), dofs)
         super().__init__(
-            dofs=as_names("dofs", dofs),
+            dofs=dofs,
             mass=as_matrix(mass),
             stiffness=as_matrix(stiffness),
             damping=as_matrix(damping),
@@ -179,9 +181,10 @@ class ShearBuilding(Part):
         of_storeys = as_list(stiffnesses)
         check_values("ShearBuilding", "masses", of_floors, len(of_floors))
         check_values("ShearBuilding", "stiffnesses", of_storeys, len(of_floors))
-        if dampers is not None and len(as_list(dampers)) != len(of_floors):
-            raise Error(f"ShearBuilding: dampers has {len(as_list(dampers))} values, expected "
-                        f"{len(of_floors)}, one for each of masses")
+        if dampers is not None:
+            check_values("ShearBuilding", "dampers", as_list(dampers), len(of_floors), zero=True)
+        dofs = as_names("dofs", dofs)
+        check_dofs("ShearBuilding", dofs, len(of_floors), f"masses {len(of_floors)}")
         check_damping("ShearBuilding", damping)
         super().__init__(
             shear_building=Part(
@@ -190,7 +193,7 @@ class ShearBuilding(Part):
                 dampers=as_list(dampers),
             ),
             damping=damping,
-            dofs=as_names("dofs", dofs),
+            dofs=dofs,
             **keys,
         )
 
@@ -227,16 +230,22 @@ class FiniteElementModel(Part):
         damping: Mapping[str, Any] | str | None = None,
         **keys: Any,
     ) -> None:
+        size = None
         for name, matrix in (("mass", mass), ("stiffness", stiffness),
                              ("exported_damping", exported_damping)):
-            check_square("FiniteElementModel", name, matrix)
+            check_square("FiniteElementModel", name, matrix, size)
+            if name == "mass" and not isinstance(mass, (str, os.PathLike, Mapping)):
+                size = _size_of(mass)
+        dofs = as_strings("dofs", dofs)
+        if not isinstance(dofs, str):
+            check_dofs("FiniteElementModel", dofs, size, f"mass is {size} x {size}")
         check_damping("FiniteElementModel", damping)
         super().__init__(
             finite_element=Part(
                 mass=as_matrix(mass),
                 stiffness=as_matrix(stiffness),
                 damping=as_matrix(exported_damping),
-                dofs=as_strings("dofs", dofs),
+                dofs=dofs,
                 remove_dofs=as_names("remove_dofs", remove_dofs),
                 ground_directions=ground_directions,
                 expected_frequencies=as_list(expected_frequencies),
@@ -298,7 +307,8 @@ class Group(Part):
     """A correction alpha * matrix of K, C or M, with the dimensionless unknown alpha.
 
     name: name of the group and of alpha.
-    matrix: n x n, symmetric, in the model's units.
+    matrix: n x n, symmetric, in the model's units. Over the DOFs of the model, or over
+        all DOFs of a FiniteElementModel with a reduction.
     adds_to: "stiffness", "damping" or "mass".
     between: two DOFs, or a DOF and "ground", joined by a spring with the stiffness
         `scale`, in place of `matrix`.
@@ -333,6 +343,8 @@ class Group(Part):
     ) -> None:
         check_square(f"Group({name!r})", "matrix", matrix)
         check_bounds(f"Group({name!r})", lower, upper)
+        # Names of the columns, which the case compares with the DOFs of its model.
+        self.columns = _names_of_columns(matrix=matrix)
         super().__init__(
             name=name,
             adds_to=adds_to,

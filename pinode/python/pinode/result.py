@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _html, _pinode
-from ._arguments import FLAG, NUMBER, WHOLE, takes
+from ._arguments import COUNT, FLAG, NUMBER, takes
 from ._outcome import Outcome, Parameter
 from ._part import as_folder, as_mapping, as_path, as_sequence, as_watcher
 from ._pinode import Error
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Fit(Outcome):
     """An identified model."""
 
-    @takes(threads=WHOLE, overwrite=FLAG, resume=FLAG)
+    @takes(threads=COUNT, overwrite=FLAG, resume=FLAG)
     def discover(
         self,
         *,
@@ -60,7 +60,7 @@ class Fit(Outcome):
                 )
             )
 
-    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=WHOLE)
+    @takes(threshold=NUMBER, false_alarm_rate=NUMBER, threads=COUNT)
     def damage(
         self,
         baselines: "Sequence[Fit | ResultFolder | str | os.PathLike[str]]",

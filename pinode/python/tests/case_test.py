@@ -433,7 +433,30 @@ def test_what_contains_itself_is_refused():
 
 
 def test_reprs(healthy):
-    assert "3 DOFs, 1 records, 3 free parameters" in repr(healthy)
+    assert "3 DOFs, 1 record, 3 free parameters" in repr(healthy)
     assert "<table>" in healthy._repr_html_()
     assert repr(pinode.Group("k1", np.eye(3))) == (
         "Group(name='k1', adds_to='stiffness', matrix=array of 3 x 3)")
+
+
+@pytest.mark.parametrize("as_given", [np.asarray, scipy.sparse.csc_matrix])
+def test_groups_over_all_dofs_of_a_reduced_model(as_given):
+    """Five springs in a row, reduced to the first and the last mass."""
+    def springs(values):
+        total = np.zeros((5, 5))
+        for i, k in enumerate(values):
+            total[i, i] += k
+            if i > 0:
+                total[i - 1, i - 1] += k
+                total[[i, i - 1], [i - 1, i]] -= k
+        return total
+
+    whole = springs([9.0, 8.0, 7.0, 6.0, 5.0])
+    first = springs([9.0, 0.0, 0.0, 0.0, 0.0])
+    made = pinode.Case(
+        pinode.FiniteElementModel(
+            as_given(np.eye(5)), as_given(whole), damping={"ratios": [0.02]},
+            reduction={"method": "guyan", "keep": ["u1", "u5"]}),
+        groups=[pinode.Group("first", as_given(first), initial=-0.1)])
+    assert made.stiffness.shape == (2, 2)
+    assert np.allclose(made.full_matrices()["groups"]["first"].toarray(), first)

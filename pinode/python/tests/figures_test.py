@@ -84,9 +84,9 @@ def test_histories(with_holdout):
     assert time[-1] - time[0] == pytest.approx(
         6.0 / with_holdout.modes[0]["updated_hz"], abs=0.1)
     assert np.abs(values).max() == np.abs(record.measured["a1"]).max()
-    # The model before, as the scores have its error.
-    assert np.array_equal(curve(whole, "model before")[1], with_holdout.before("train")["a1"])
-    before = curve(whole, "model before")[1]
+    # The initial model, as the scores have its error.
+    assert np.array_equal(curve(whole, "initial model")[1], with_holdout.before("train")["a1"])
+    before = curve(whole, "initial model")[1]
     left = record.measured["a1"] - before
     assert left.std() / record.measured["a1"].std() == pytest.approx(
         score["channels"][0]["prior_nrmse"], rel=1e-3)
@@ -111,7 +111,7 @@ def nrmse(measured, predicted):
 
 
 def test_the_run_before_of_a_free_start(healthy):
-    """Begins where the model before fits best, as the run has that the scores compare
+    """Begins where the initial model fits best, as the run has that the scores compare
     with."""
     ground, floors = frame_testing.measure()
     step = frame_testing.STEP
@@ -130,7 +130,7 @@ def test_the_run_before_of_a_free_start(healthy):
         from_rest = fit.case.simulate(noise_percent=0.0)["healthy"]["channels"][name]
         assert nrmse(record.measured[name], from_rest) > channel["prior_nrmse"]
     assert np.array_equal(
-        curve(figures.prediction(fit).axes[0], "model before")[1], before["a1"])
+        curve(figures.prediction(fit).axes[0], "initial model")[1], before["a1"])
     with pytest.raises(pinode.Error, match="no record 'other'"):
         fit.before("other")
 
@@ -138,7 +138,7 @@ def test_the_run_before_of_a_free_start(healthy):
 def test_no_run_before_that_does_not_stay_finite(with_holdout, monkeypatch):
     monkeypatch.setitem(with_holdout.__dict__, "_before", {"train": {}, "holdout": {}})
     labels = [line.get_label() for line in figures.prediction(with_holdout).axes[0].get_lines()]
-    assert "model" in labels and "model before" not in labels
+    assert "model" in labels and "initial model" not in labels
 
 
 def test_parameters_in_per_cent(with_holdout):
@@ -180,13 +180,13 @@ def test_changes_with_their_threshold(damage, monkeypatch):
 def test_mode_shapes(damage):
     figure = figures.mode_shapes(damage)
     for i, ax in enumerate(figure.axes):
-        for stiffness, name in ((frame_testing.STIFFNESS, "before"), (damage.stiffness, "after")):
+        for stiffness, name in ((frame_testing.STIFFNESS, "initial"), (damage.stiffness, "updated")):
             _, shapes = scipy.linalg.eigh(stiffness, frame_testing.MASS)
             drawn = curve(ax, name)[0]
             assert np.abs(drawn).max() == 1.0
             expected = shapes[:, i] / np.abs(shapes[:, i]).max()
             assert np.allclose(drawn, expected * np.sign(expected @ drawn), atol=1e-6)
-        assert curve(ax, "before")[0] @ curve(ax, "after")[0] > 0.0
+        assert curve(ax, "initial")[0] @ curve(ax, "updated")[0] > 0.0
         assert ticks(ax) == ["u1", "u2", "u3"]
         assert ax.get_title().startswith(f"mode {i + 1}: {damage.modes[i]['initial_hz']:.4g}")
     assert len(figures.mode_shapes(damage, most=2).axes) == 2

@@ -85,7 +85,7 @@ def test_blows_in_a_record_each(tmp_path):
 
 
 @pytest.mark.parametrize("given, message", [
-    ({}, "needs step or fs"),
+    ({}, "'step' is missing, expected step=seconds or fs"),
     ({"fs": FS, "quantity": "strain"}, "expected acceleration"),
     ({"fs": FS, "estimator": "h3"}, "expected h1, h2 or hv"),
     ({"fs": FS, "excitation": "wind"}, "expected automatic, blows"),
@@ -101,3 +101,15 @@ def test_mistakes_are_one_sentence(given, message):
     assert "\n" not in str(caught.value)
     with pytest.raises(pinode.Error, match="complex"):
         pinode.estimate_frfs(1j * force, force, fs=FS)
+
+
+def test_arrays_of_other_lengths_are_named():
+    force, responses = np.ones(300), np.ones((300, 2))
+    with pytest.raises(pinode.Error, match=r"^responses is 2 x 300 and force has 300 samples, .*"
+                                           r"pass its transpose, responses\.T$"):
+        pinode.estimate_frfs(force, responses.T, fs=100)
+    with pytest.raises(pinode.Error, match="^responses is 300 x 2 and force has 200 samples, "
+                                           "expected samples x channels, as many"):
+        pinode.estimate_frfs(force[:200], responses, fs=100)
+    with pytest.raises(pinode.Error, match="expected step=seconds or fs=samples a second"):
+        pinode.estimate_frfs(force, responses)

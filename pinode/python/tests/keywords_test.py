@@ -94,7 +94,7 @@ def case(**keys):
      r"^Model: damping is the number 0.02, expected .*\{'ratios': \[0.02\]\}"),
     (lambda: pinode.Model(np.eye(2), np.eye(3)), "^Model: stiffness is 3 x 3, expected 2 x 2"),
     (lambda: pinode.Model(np.eye(2), np.ones((2, 3))), "^Model: stiffness is 2 x 3"),
-    (lambda: pinode.Group("k", np.ones(3)), "^Group.'k'.: matrix is 3, expected n x n"),
+    (lambda: pinode.Group("k", np.ones(3)), "^Group.'k'.: matrix is an array of 3 numbers, expected n x n"),
     (lambda: pinode.Group("k", adds_to="stifness"),
      "adds_to is the text 'stifness', expected one of .*did you mean 'stiffness'"),
     (lambda: pinode.Group("k", lower="a"), "^Group.'k'.: lower is the text 'a', expected a number"),
@@ -131,6 +131,27 @@ def case(**keys):
     (lambda: case(options={"max_iteration": 3}),
      "^options: unknown key 'max_iteration'; did you mean 'max_iterations'"),
     (lambda: case(units={"forc": "N"}), "^units: unknown key 'forc'"),
+    (lambda: case(groups=[pinode.Group("k", storey=1)]),
+     "^group 'k': 'storey' needs a ShearBuilding; otherwise give 'between' or 'matrix'$"),
+    (lambda: case(groups=[pinode.Group("k", changed_export=np.eye(2), factor=2.0)]),
+     "^group 'k': an export needs a FiniteElementModel; otherwise"),
+    (lambda: pinode.ShearBuilding([1.0, 1.0], [9.0, 9.0], dofs=["a"]),
+     "^ShearBuilding: dofs has 1 name and masses 2, expected one for each"),
+    (lambda: pinode.ShearBuilding([1.0, 1.0], [9.0, 9.0], dampers=[-1.0, 1.0]),
+     r"^ShearBuilding: dampers\[0\] is -1.0, expected zero or a positive number"),
+    (lambda: pinode.FiniteElementModel(np.eye(2), np.eye(3)),
+     "^FiniteElementModel: stiffness is 3 x 3, expected 2 x 2 as mass is"),
+    (lambda: pinode.FiniteElementModel(np.eye(2), np.eye(2), dofs=["a"]),
+     "^FiniteElementModel: dofs has 1 name and mass is 2 x 2, expected one for each"),
+    (lambda: pinode.Model(np.eye(2), np.eye(2), expected_hz=3.0),
+     "^Model: expected_hz is the number 3.0, expected a list or an array of numbers"),
+    (lambda: record(ground={"x": None}), r"ground\['x'\] is None, expected one number a sample"),
+    (lambda: case(records=[record(ground={"x": ["a"] * 200})]),
+     "column 'ground_x', has texts, expected a one-dimensional array of numbers"),
+    (lambda: case(groups=[pinode.Group("k", between=["u1", "u2"])],
+                  records=[record(step=None, time=0.01 * np.arange(200)[::-1])]),
+     r"^records\[0\], sample 2: column 't': time decreases"),
+    (lambda: case(units={"length": 1}), "^units: 'length' is the number 1, expected a text$"),
     (lambda: pinode.Case(pinode.Model(np.eye(1), np.eye(1)), records=[record()]),
      r"'damping' is missing, expected a matrix, \{\"rayleigh\": \[a0, a1\]\}"),
 ])
@@ -212,3 +233,26 @@ def test_values_that_cannot_be_meant_are_refused_by_the_constructor(make, senten
     with pytest.raises(pinode.Error) as error:
         make()
     assert str(error.value) == sentence
+
+
+def test_an_empty_dictionary_of_loads_is_no_load():
+    values = np.sin(0.1 * np.arange(200.0))
+    made = case(groups=[pinode.Group("k", between=["u1", "u2"])], records=[pinode.Record(
+        "r", step=0.01, ground={}, force={"u1": values}, interpolation="linear", start="rest",
+        channels=[pinode.Channel("a", values, dof="u1")])])
+    assert "ground" not in made.to_dict()["record"][0]
+
+
+@pytest.mark.parametrize("key, number, found", [
+    ("gain", 2.0, lambda plain, other: np.allclose(other, 2.0 * plain)),
+    ("offset", 3.0, lambda plain, other: np.allclose(other, plain + 3.0)),
+    ("delay", 0.03, lambda plain, other: np.allclose(other[10:], plain[7:-3], atol=0.02)),
+])
+def test_a_number_for_a_correction_is_fixed(key, number, found):
+    def simulated(**keys):
+        made = case(records=[record(channels=[pinode.Channel("a", dof="u1", **keys)])])
+        assert not any(p["free"] for p in made.parameters.values())
+        return made.simulate()["r"]["channels"]["a"]
+
+    plain = simulated()
+    assert np.ptp(plain) > 0.1 and found(plain, simulated(**{key: number}))

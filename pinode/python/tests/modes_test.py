@@ -68,7 +68,7 @@ def test_of_wind(rows):
     frame = modes.to_pandas()
     assert list(frame["frequency_hz"]) == list(modes.frequencies_hz)
     assert np.allclose(frame["u2"], modes.shapes[1].real)
-    assert "damping ratio" in modes._repr_html_()
+    assert "damping (%)" in modes._repr_html_()
     other = pickle.loads(pickle.dumps(modes))
     assert np.array_equal(other.shapes, modes.shapes)
     assert set(other.figures()) == set(modes.figures())
@@ -230,7 +230,7 @@ def test_quantities_as_channels_have_them(rows, sheet):
             ours, theirs = (pinode.identify_modes(records, quantity=quantity, **keys)
                             for quantity in ([longer] * 3, short))
             assert np.array_equal(ours.shapes, theirs.shapes)
-    with pytest.raises(pinode.Error, match="'speed' is no quantity, expected one of displacement"):
+    with pytest.raises(pinode.Error, match="quantity is the text 'speed', expected one of displacement"):
         pinode.identify_modes(rows, quantity="speed", **keys)
 
 
@@ -267,7 +267,7 @@ def test_what_is_wrong_with_a_data_file_is_said(rows, sheet):
             ({"step": STEP, "columns": 3}, "columns is a value of type int"),
             ({"step": -1.0}, "'step' is the number -1.0"),
             ({"step": STEP, "time": "a1"}, "expected one of them"),
-            ({"step": STEP, "time": 3}, "time is the number 3, expected a text"),
+            ({"step": STEP, "time": 3}, "time is the number 3, expected the name of the column"),
             ({"step": STEP, "quantity": "force"}, "quantity 'force'"),
             ({"step": STEP, "quantity": ["velocity"] * 2}, "2 quantities for 3 columns"),
             ({"step": STEP, "names": ["x", "y", "z"]}, "expected no names"),
@@ -316,7 +316,7 @@ def test_what_is_wrong_is_said(rows):
         pinode.identify_modes(rows)
     with pytest.raises(pinode.Error, match="too short"):
         pinode.identify_modes(rows[:10], step=STEP)
-    with pytest.raises(pinode.Error, match=r"\[modes\] max_order: record 'record'.*200"):
+    with pytest.raises(pinode.Error, match=r"identify_modes: max_order: record 'record'.*200"):
         pinode.identify_modes(rows, step=STEP, max_order=200)
     with pytest.raises(pinode.Error, match="method"):
         pinode.identify_modes(rows, step=STEP, method="magic")
@@ -333,9 +333,39 @@ def test_what_is_wrong_is_said(rows):
 
 
 def test_a_transposed_array_is_named(rows):
-    with pytest.raises(pinode.Error, match="3 x 20000, expected samples x channels; if each row "
-                       "is a channel, pass the transpose"):
+    with pytest.raises(pinode.Error, match="^records is 3 x 20000, expected samples x channels; if "
+                       r"each row is a channel, pass its transpose, records\.T$"):
         pinode.identify_modes(rows.T, fs=50.0)
+    with pytest.raises(pinode.Error, match=r"^records\['wing'\]\['values'\] is 3 x 20000"):
+        pinode.identify_modes({"wing": {"values": rows.T, "fs": 50.0}})
+
+
+def test_wrong_names_and_keys_of_arrays_are_named(rows):
+    with pytest.raises(pinode.Error, match="^names has 1 name and records 3 channels"):
+        pinode.identify_modes(rows, fs=50.0, names=["a"])
+    with pytest.raises(pinode.Error, match=r"^records\['a'\] has no key 'fss'; did you mean 'fs'"):
+        pinode.identify_modes({"a": {"values": rows, "fss": 50.0}})
+    with pytest.raises(pinode.Error, match="^records has texts, expected numbers"):
+        pinode.identify_modes(rows[:9].astype(str), fs=50.0)
+    with pytest.raises(pinode.Error, match="^records is empty, expected samples x channels"):
+        pinode.identify_modes([], fs=50.0)
+    with pytest.raises(pinode.Error, match="^quantity is a list of 1 and records has 3 channels"):
+        pinode.identify_modes(rows, fs=50.0, quantity=["acceleration"])
+    with pytest.raises(pinode.Error, match="time is an array of 20000, .* arrays take step or fs"):
+        pinode.identify_modes(rows, time=STEP * np.arange(len(rows)))
+    with pytest.raises(pinode.Error, match="threads is the number -1, expected a whole number, 0"):
+        pinode.identify_modes(rows, fs=50.0, threads=-1)
+
+
+@pytest.mark.parametrize("keys, message", [
+    ({"method": "fft"}, "^identify_modes: 'method' is 'fft', expected one of automatic, "),
+    ({"max_order": 5}, "^identify_modes: 'max_order' is odd"),
+    ({"references": ["x"]}, "^identify_modes: references: reference 'x' is not a channel"),
+    ({"lowest_hz": 60.0}, "^identify_modes: lowest_hz: record 'record' is searched for modes"),
+])
+def test_wrong_options_of_arrays_name_the_function(rows, keys, message):
+    with pytest.raises(pinode.Error, match=message):
+        pinode.identify_modes(rows[:3000], fs=50.0, **keys)
 
 
 def test_the_rate_is_a_step_or_a_frequency(rows):

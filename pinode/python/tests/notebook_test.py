@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import pinode
+from pinode import _html
 
 
 def cells(html):
@@ -69,7 +70,22 @@ def test_a_result_folder_as_the_result(kind, baseline, damaged, tmp_path):
     # Infinite ends of intervals, null in the file, are a dash in both.
     for row in cells(outcome._repr_html_()):
         assert row in there
-    assert escape(outcome.message if kind == "fit" else outcome.sentence) in html
+    # The first sentence is the heading, and the others follow.
+    text = html.replace("</b></p><p>", " ")
+    assert escape(outcome.message if kind == "fit" else outcome.sentence) in text
+
+
+def test_the_heading_of_a_long_verdict_is_its_first_sentence():
+    html = _html.section("Usable with care: 17 % is unexplained. Find the cause. Check it.")
+    assert "<b>Usable with care: 17 % is unexplained.</b></p><p>Find the cause. Check it.</p>" in html
+    assert "<b>4 modes</b></p><table>" in _html.section("4 modes", "<table>")
+
+
+def test_errors_and_damping_are_in_per_cent(baseline):
+    record = next(iter(baseline.records.values()))
+    assert [record["name"], record["role"], f"{100.0 * record['nrmse']:.3g}",
+            f"{100.0 * record['prior_nrmse']:.3g}"] in [list(row) for row in
+                                                        cells(baseline._repr_html_())]
 
 
 def test_names_are_no_markup(healthy):

@@ -148,3 +148,17 @@ def test_records_of_a_frame_are_fitted():
                                pinode.Channel(f"a{i}", f"a{i}", dof=f"u{i + 1}") for i in range(3)])
     fit = pinode.Case(conftest.model(), groups=conftest.groups(), records=[record]).identify()
     assert abs(fit["k1"]) < 0.02
+
+
+def test_columns_of_a_group_are_the_dofs_in_their_order():
+    names = ["roof", "floor"]
+    model = pinode.Model(*(pandas.DataFrame(v, index=names, columns=names)
+                           for v in (np.diag([1.0, 2.0]), 9.0 * np.eye(2))), {"ratios": [0.02]})
+    part = pandas.DataFrame(np.diag([9.0, 0.0]), index=names, columns=names)
+    assert pinode.Case(model, groups=[pinode.Group("k", part)]).dofs == names
+    turned = part.loc[names[::-1], names[::-1]]
+    with pytest.raises(pinode.Error, match=r"groups\[0\]: matrix has the columns floor, roof, "
+                                           "expected the DOFs of the model in their order"):
+        pinode.Case(model, groups=[pinode.Group("k", turned)])
+    with pytest.raises(pinode.Error, match="^Model: stiffness has the columns floor, roof"):
+        pinode.Model(np.eye(2), turned, dofs=names)

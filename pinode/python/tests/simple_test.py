@@ -26,6 +26,15 @@ def test_one_call_finds_the_loss(fit):
         assert abs(found.value - loss) < 4.0 * found.sigma + 1e-3
 
 
+def test_errors_of_a_fit_speak_of_arguments(fit, tmp_path):
+    with pytest.raises(pinode.Error, match="^deck is given, but the model does not come from"):
+        fit.save(tmp_path / "result", deck="frame.inp")
+    shaken = pinode.Record("n", fs=100, ground={"y": GROUND}, interpolation="linear", start="rest",
+                           channels=[pinode.Channel("a", dof="u1")])
+    with pytest.raises(pinode.Error, match="^record 'n', ground: 'y' is not a direction"):
+        fit.predict(shaken)
+
+
 def test_damping_that_is_not_known_is_found():
     found = pinode.identify(MASS, STIFFNESS, FLOORS, ground={"x": GROUND},
                             step=frame_testing.STEP)
