@@ -100,9 +100,9 @@ TEST(BlockEstimates, ContradictAFitToTwoStructures) {
   }
 }
 
-// All blocks lie on one side of the fit, so that none asks for more on the
-// other. Their scatter does: three deviations of the mean of four, by Student's
-// t, and nothing where the blocks agree.
+// All blocks lie on one side of the fit, so that none widens the other side.
+// Their scatter does: three deviations of the mean of four, by Student's t, and
+// nothing where the blocks agree.
 TEST(BlockEstimates, ScatterOfBlocksWidensBothSides) {
   const Vector truth{{0.1, -0.2, 0.0}};
   const Identification found =
