@@ -103,9 +103,20 @@ def to_the_verdict(app, page, logs, folder):
     page.check_width()
     page.screenshot("columns")
 
-    # A missing answer is asked for, beside its field.
+    # A page without width asks for no picture of no width.
+    page.evaluate("(async () => { const columns = $('#columns'); "
+                  "columns.hidden = true; await showView(columns.children[0]); "
+                  "columns.hidden = false; })()")
+    check(page.evaluate("$('#columns .column').dataset.drawn === 'later'"),
+          "a picture of no width was drawn")
+    page.evaluate("window.dispatchEvent(new Event('resize'))")
+    page.wait("document.querySelector('#columns .column').dataset.drawn === '1'")
+
+    # A missing answer is asked for, beside its field and by its name.
     page.click("#do-check")
     page.wait("!!document.querySelector('.asked [data-answer=storeys]')")
+    page.wait("/give \"a deck of CalculiX\"/.test($('#check-job').textContent)",
+              fails=True)
     answer_and_check(page)
     page.check_width()
     page.screenshot("checked")
