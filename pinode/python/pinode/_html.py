@@ -10,7 +10,7 @@ from typing import Any
 # Colours are the page's own; lines and badges are half transparent over them.
 _STYLE = (
     "<style>"
-    ".pinode{color:inherit;font-size:0.95em;line-height:1.45;max-width:60em}"
+    ".pinode{color:inherit;font-size:0.95em;line-height:1.45;max-width:60em;overflow-x:auto}"
     ".pinode table{border-collapse:collapse;margin:0.5em 0;color:inherit;background:none}"
     ".pinode th,.pinode td{padding:0.2em 0.8em;text-align:right;background:none;"
     "border-bottom:1px solid rgba(128,128,128,0.35)}"

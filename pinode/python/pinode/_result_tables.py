@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from . import _html
 
 _SCORES = ["record", "role", "error (%)", "initial (%)"]
-CHANGE_HEADER = ["group", "change", "from", "to (95 %)", "P(loss > threshold)"]
+CHANGE_HEADER = ["group", "change (%)", "from", "to (95 %)", "P(loss > threshold) (%)"]
 
 
 def change_row(group: Mapping[str, Any]) -> list[Any]:
-    return [group[key] for key in ("name", "change", "lower95", "upper95", "probability")]
+    changes = [_percent(group[key]) for key in ("change", "lower95", "upper95")]
+    return [group["name"], *changes, _probability(group["probability"])]
+
+
+def _probability(share: Any) -> Any:
+    """Returns a probability in per cent. Beyond 1 in 10 000 only the side is known."""
+    if share is None or not math.isfinite(share):
+        return None
+    return "< 0.01" if share < 1e-4 else "> 99.99" if share > 0.9999 else _percent(share)
 
 
 def summary_lines(parameters: Iterable[Any], records: Iterable[Any]) -> list[str]:
@@ -33,7 +42,7 @@ def _score(record: Mapping[str, Any]) -> list[Any]:
 
 
 def _percent(share: Any) -> Any:
-    return None if share is None else f"{100.0 * share:.3g}"
+    return None if share is None or not math.isfinite(share) else f"{100.0 * share:.3g}"
 
 
 def tables(parameters: Iterable[Any], records: Iterable[Any]) -> str:

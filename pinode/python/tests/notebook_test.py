@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pinode
-from pinode import _html
+from pinode import _html, _result_tables
 
 
 def cells(html):
@@ -100,6 +100,8 @@ def test_it_is_styled_for_light_and_dark_pages(baseline, damaged, healthy):
         style = html.partition("<style>")[2].partition("</style>")[0]
         # The text has the colour of the page.
         assert "color:inherit" in style and "#" not in style
+        # A table that is wider than a phone is scrolled by itself.
+        assert "overflow-x:auto" in style
         numbers = [cell for row in cells(html) for cell in row if "." in cell]
         assert all(len(n.lstrip("-").replace(".", "").lstrip("0").partition("e")[0]) <= 4
                    for n in numbers if n.replace(".", "").lstrip("-").isdigit()), numbers
@@ -132,3 +134,11 @@ def test_a_summary(baseline, damaged):
     damage = damaged.damage([baseline])
     lines = damage.summary().splitlines()
     assert lines[0] == damage.sentence and damage.fit_sentence in lines
+
+
+def test_changes_are_in_per_cent_and_probabilities_have_a_side():
+    group = {"name": "k2", "change": -0.15031, "lower95": -0.1526, "upper95": -0.148}
+    rows = [_result_tables.change_row({**group, "probability": p})
+            for p in (1e-200, 0.0323, 1.0, None, float("nan"))]
+    assert rows[0] == ["k2", "-15", "-15.3", "-14.8", "< 0.01"]
+    assert [row[-1] for row in rows[1:]] == ["3.23", "> 99.99", None, None]
