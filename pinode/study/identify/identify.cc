@@ -56,12 +56,17 @@ class MainJob {
     ChooseAmongCandidates();
     if (RenewsBasis() && IsSound()) Renew();
     SettleLoadSpectra(options_, &inner_, &problem_, &fit_, &model_);
-    std::vector<Finding> of_steps;
     // A fit that is not sound has its reasons already.
-    if (IsSound()) {
-      of_steps = SettleSteps(options_, &inner_, &problem_, &fit_, &model_);
+    SettledSteps steps;
+    if (IsSound()) steps = Settle();
+    // Terms were kept or left out by fits with an error of their steps, which a
+    // term can make up for.
+    if (steps.were_long && steps.refined && !extras_.candidates.empty() &&
+        !RenewsBasis()) {
+      ChooseAgain();
+      steps = IsSound() ? Settle() : SettledSteps();
     }
-    return Judged(std::move(of_steps));
+    return Judged(std::move(steps.findings));
   }
 
  private:
@@ -142,6 +147,24 @@ class MainJob {
     if (!chosen) {
       problem_.description.remarks.push_back("No model choice: " + error + ".");
     }
+  }
+
+  SettledSteps Settle() {
+    return SettleSteps(options_, &inner_, &problem_, &fit_, &model_);
+  }
+
+  // Fits all candidates with the steps that were found, and chooses among them.
+  void ChooseAgain() {
+    for (size_t r = 0; r < problem_.records.size(); ++r) {
+      const IdentificationRecord& finer = problem_.records[r];
+      all_.records[r].substeps = finer.substeps;
+      all_.records[r].exponential_steps = finer.exponential_steps;
+    }
+    problem_ = all_;
+    choice_ = ModelChoice();
+    inner_.Run("all terms with finer steps", problem_, options_, extras_.start,
+               &fit_, &model_);
+    ChooseAmongCandidates();
   }
 
   void Renew() {

@@ -11,12 +11,15 @@
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/record_grid.h"
 #include "pinode/problem/verdict_limits.h"
+#include "pinode/study/problem/substeps.h"
 
 namespace pinode {
 namespace {
 
 constexpr double kShift = 0.1;  // deviations
 constexpr int kMostSteps = 64;
+// A refinement makes a fit at most this much dearer. Two of them are allowed.
+constexpr double kLargestFactor = 8.0;
 
 bool TakesSteps(const IdentificationProblem& problem) {
   return std::any_of(
@@ -96,32 +99,38 @@ bool CheckStepsAtFit(const IdentificationProblem& problem,
 
 bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
   if (!(check.shift > kShift)) return false;
-  const double factor = std::sqrt(std::sqrt(2.0 * check.shift / kShift));
+  const double factor = std::min(
+      std::sqrt(std::sqrt(2.0 * check.shift / kShift)), kLargestFactor);
   bool changed = false;
   for (IdentificationRecord& record : problem->records) {
-    if (!record.substeps_chosen ||
-        IntegratorOf(*problem->dynamics, record) != Integrator::kExponential) {
+    if (!record.substeps_chosen) continue;
+    const Integrator integrator = IntegratorOf(*problem->dynamics, record);
+    const bool runge_kutta = integrator == Integrator::kRungeKutta;
+    if (integrator == Integrator::kExact ||
+        (runge_kutta && !(check.shift > limits::kNotedStepShift))) {
       continue;
     }
-    const int steps = std::min(
-        kMostSteps,
-        static_cast<int>(std::ceil(factor * record.exponential_steps)));
-    changed = changed || steps > record.exponential_steps;
-    record.exponential_steps = std::max(record.exponential_steps, steps);
+    int* steps = runge_kutta ? &record.substeps : &record.exponential_steps;
+    const int finer = std::min(runge_kutta ? kMaxSubsteps : kMostSteps,
+                               static_cast<int>(std::ceil(factor * *steps)));
+    changed = changed || finer > *steps;
+    *steps = std::max(*steps, finer);
   }
   return changed;
 }
 
-std::vector<Finding> SettleSteps(const IdentificationOptions& options,
-                                 InnerFit* fit, IdentificationProblem* problem,
-                                 FitSummary* summary, IdentifiedModel* model) {
+SettledSteps SettleSteps(const IdentificationOptions& options, InnerFit* fit,
+                         IdentificationProblem* problem, FitSummary* summary,
+                         IdentifiedModel* model) {
   constexpr int kMostRefinements = 2;
+  SettledSteps settled;
   StepCheck check;
   for (int round = 0;; ++round) {
     if (!CheckStepsAtFit(*problem, *summary, *model, options.num_threads,
                          &check)) {
-      return {};
+      return settled;
     }
+    if (round == 0) settled.were_long = check.shift > limits::kNotedStepShift;
     if (round == kMostRefinements || !RefineSteps(check, problem)) break;
     IdentificationOptions near = options;
     BeginNearTheEnd(&near);
@@ -130,17 +139,18 @@ std::vector<Finding> SettleSteps(const IdentificationOptions& options,
     fit->Run("finer steps", *problem, near, &begin, summary, model);
     history.Enter(summary);
     // Its own findings say why it ends here.
-    if (!CheckFit(options.tuning.gaps, *summary).empty()) return {};
+    settled.refined = true;
+    if (!CheckFit(options.tuning.gaps, *summary).empty()) return settled;
   }
   if (check.shift > limits::kStepShift && check.is_large) {
-    return {{"long_steps", "the steps are too long: " + check.Sentence(),
-             check.shift, limits::kStepShift, "increase `substeps`"}};
-  }
-  if (check.shift > limits::kNotedStepShift) {
+    settled.findings = {
+        {"long_steps", "the steps are too long: " + check.Sentence(),
+         check.shift, limits::kStepShift, "increase `substeps`"}};
+  } else if (check.shift > limits::kNotedStepShift) {
     summary->remarks.push_back("The integration steps are long: " +
                                check.Sentence() + ". Increase `substeps`.");
   }
-  return {};
+  return settled;
 }
 
 }  // namespace pinode

@@ -40,18 +40,28 @@ struct StepCheck {
                                    const IdentifiedModel& model,
                                    int num_threads, StepCheck* check);
 
-// Takes more exponential steps in records whose steps were chosen, if the shift
-// is more than a tenth of a deviation: as many as halve that tenth, by their
-// fourth order. False if nothing changes.
+// Takes more steps in records whose steps were chosen, if the shift is more
+// than a tenth of a deviation: as many as halve that tenth, by their fourth
+// order, and at most eight times as many. Runge-Kutta steps, which make a fit
+// dearer, are refined from limits::kNotedStepShift on. False if nothing
+// changes.
 bool RefineSteps(const StepCheck& check, IdentificationProblem* problem);
+
+struct SettledSteps {
+  // Halving the steps of the fit that was given would have moved a parameter by
+  // more than limits::kNotedStepShift.
+  bool were_long = false;
+  bool refined = false;
+  std::vector<Finding> findings;
+};
 
 // Checks the steps of a fit of *problem. Where finer ones would move what was
 // found, refines them (at most twice) and goes on with the fit. A shift that is
 // left becomes a finding where limits::kStepShift forbids it, else a remark of
 // *summary.
-std::vector<Finding> SettleSteps(const IdentificationOptions& options,
-                                 InnerFit* fit, IdentificationProblem* problem,
-                                 FitSummary* summary, IdentifiedModel* model);
+SettledSteps SettleSteps(const IdentificationOptions& options, InnerFit* fit,
+                         IdentificationProblem* problem, FitSummary* summary,
+                         IdentifiedModel* model);
 
 }  // namespace pinode
 

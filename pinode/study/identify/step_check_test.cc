@@ -7,13 +7,20 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pinode/base/statistics.h"
 #include "pinode/dynamics/elements.h"
+#include "pinode/integrate/rk4.h"
 #include "pinode/problem/record_grid.h"
+#include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/checkpoint.h"
+#include "pinode/study/problem/make_problem.h"
 #include "pinode/study/problem/substeps.h"
+#include "pinode/study/terms/library_term.h"
+#include "pinode/study/terms/model_candidate.h"
 #include "tests/support/dynamics_testing.h"
+#include "tests/support/gaussian_testing.h"
 #include "tests/support/study_testing.h"
 
 namespace pinode {
@@ -163,6 +170,124 @@ TEST(StepCheck, HasNothingToSayOfTheExactSolution) {
   const TestFit fit = FitOf(problem);
   StepCheck check;
   EXPECT_FALSE(CheckStepsAtFit(fit.problem, fit.summary, fit.model, 1, &check));
+}
+
+// x'' + 0.2 x' + 57 x + 1.5 tanh(x' / 0.01) = 0, a dry friction whose steep law
+// the chosen steps do not resolve: they are found for the initial model, in
+// which it does not act.
+class DryFriction : public ::testing::Test {
+ protected:
+  static constexpr double kStep = 0.02;
+
+  void SetUp() override {
+    const Matrix one = Matrix::Ones(1, 1);
+    const StructuralModel model =
+        MakeStructuralModel(one, 0.1 * one, 50.0 * one, {"u"});
+    const std::vector<InputSpec> inputs = {
+        {InputSpec::Kind::kForce, 0, "force"}};
+    StructureTerms terms;
+    terms.groups = {MakeFreeGroup("c", MatrixGroup::Target::kDamping, one),
+                    MakeFreeGroup("k", MatrixGroup::Target::kStiffness, one)};
+    LibrarySpec spec;
+    spec.name = "law";
+    spec.features = {Feature::Displacement(0), Feature::Velocity(0)};
+    spec.output = "u";
+    spec.acts_as = ActsAs::kForce;
+    for (const char* basis :
+         {"tanh(v[u]/0.01)", "tanh(v[u]/0.1)", "abs(x[u])*x[u]"}) {
+      spec.coefficients.push_back({basis, Parameter()});
+    }
+    const StructuralDynamics dynamics(model, inputs);
+    LawTerm library;
+    ASSERT_TRUE(
+        MakeLibraryTerm(spec, dynamics, UnitSystem(), &library, &error_))
+        << error_;
+    terms.laws.push_back(library);
+    for (int k = 0; k < static_cast<int>(spec.coefficients.size()); ++k) {
+      extras_.candidates.push_back(LibraryCandidate(library, k));
+    }
+    ASSERT_TRUE(MakeProblem(model, inputs, terms, &problem_, &error_))
+        << error_;
+    const Matrix motion = Motion();
+    testing::Gaussian random(3);
+    std::vector<MeasuredChannel> channels = {
+        testing::MakeChannel("x", Quantity::kDisplacement, 1, 0),
+        testing::MakeChannel("a", Quantity::kRelativeAcceleration, 1, 0)};
+    for (size_t i = 0; i < 2; ++i) {
+      const Vector exact = motion.col(static_cast<Eigen::Index>(i));
+      channels[i].values = exact + 0.02 * StandardDeviationOfPresent(exact) *
+                                       random.Draw(exact.size());
+    }
+    ASSERT_TRUE(AddRecord("run", kStep, Matrix::Zero(1, motion.rows()),
+                          Interpolation::kLinear, channels, &problem_, &error_))
+        << error_;
+    problem_.records[0].start = IdentificationRecord::Start::kFree;
+    ChooseStepsOrFail(&problem_);
+  }
+
+  // Displacement and acceleration of the samples, by steps of 0.2 ms.
+  static Matrix Motion() {
+    constexpr int kSamples = 1000;
+    constexpr int kSteps = 100;
+    const auto acceleration = [](const double* state) {
+      return -0.2 * state[1] - 57.0 * state[0] -
+             1.5 * std::tanh(state[1] / 0.01);
+    };
+    Matrix motion(kSamples, 2);
+    double state[] = {0.5, 0.0};
+    Rk4Scratch<double> scratch(2);
+    for (int i = 0; i < kSamples; ++i) {
+      motion.row(i) << state[0], acceleration(state);
+      for (int s = 0; s < kSteps; ++s) {
+        Rk4Step(
+            [&](int, double, const double* x, double* rate) {
+              rate[0] = x[1];
+              rate[1] = acceleration(x);
+            },
+            0.0, kStep / kSteps, state, &scratch);
+      }
+    }
+    return motion;
+  }
+
+  IdentificationProblem problem_;
+  IdentificationExtras extras_;
+  std::string error_;
+};
+
+TEST_F(DryFriction, HasNoFalseTermsThatMakeUpForLongSteps) {
+  EXPECT_EQ(problem_.records[0].substeps, 1);
+  const std::string identity = ProblemIdentity(problem_);
+  const Identification found =
+      Identify(problem_, IdentificationOptions(), extras_, nullptr);
+  EXPECT_GT(found.problem.records[0].substeps, 1);
+  // A checkpoint stays one of this problem.
+  EXPECT_EQ(ProblemIdentity(found.problem), identity);
+  EXPECT_TRUE(found.summary.usable()) << found.summary.message;
+  EXPECT_THAT(found.summary.choice.left_out,
+              ::testing::UnorderedElementsAre("law.tanh(v[u]/0.1)",
+                                              "law.abs(x[u])*x[u]"));
+  for (const ParameterEstimate& estimate : found.summary.parameters) {
+    if (estimate.name != "law.tanh(v[u]/0.01)") continue;
+    EXPECT_LT(std::abs(estimate.value - 1.5), 4.0 * estimate.sigma);
+  }
+}
+
+TEST_F(DryFriction, KeepsStepsThatAreGiven) {
+  problem_.records[0].substeps_chosen = false;
+  StepCheck check;
+  check.shift = 5.0;
+  EXPECT_FALSE(RefineSteps(check, &problem_));
+  problem_.records[0].substeps_chosen = true;
+  // Runge-Kutta steps make a fit dearer; a remark is not yet worth that.
+  check.shift = 0.4;
+  EXPECT_FALSE(RefineSteps(check, &problem_));
+  check.shift = 5.0;
+  EXPECT_TRUE(RefineSteps(check, &problem_));
+  EXPECT_EQ(problem_.records[0].substeps, 4);
+  check.shift = 1e12;
+  EXPECT_TRUE(RefineSteps(check, &problem_));
+  EXPECT_EQ(problem_.records[0].substeps, 32);
 }
 
 }  // namespace

@@ -135,11 +135,13 @@ void Add(const IdentificationRecord& record, Hash* hash) {
   hash->Add(record.name);
   hash->Add(static_cast<std::int64_t>(record.role));
   hash->Add(static_cast<std::int64_t>(record.start));
-  hash->Add(static_cast<std::int64_t>(record.substeps));
+  // Chosen steps are chosen again, and refined at the fit.
+  if (!record.substeps_chosen) {
+    hash->Add(static_cast<std::int64_t>(record.substeps));
+  }
   if (record.integrator.has_value()) {
     hash->Add(IntegratorName(*record.integrator));
   }
-  // Chosen steps are chosen again, and refined at the fit.
   if (record.exponential_steps > 0 && !record.substeps_chosen) {
     hash->Add(static_cast<std::int64_t>(record.exponential_steps));
   }
