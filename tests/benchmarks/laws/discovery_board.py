@@ -1,12 +1,12 @@
 """Board of discovery: known equations, records with noise, and what is found.
 
     discovery_board.py PINODE_DISCOVER [--draws=20] [--noise=1,5,10]
-        [--systems=duffing,van_der_pol,cubic_damping,chain] [--first=0]
+        [--systems=duffing,van_der_pol,cubic_damping,coulomb,chain] [--first=0]
 
 Each draw is a case of its own: displacements and velocities of every DOF with
 white noise of so many per cent of each signal's RMS, all monomials to degree 3
 of the states as candidates (9 for one DOF, 68 for the chain), no known matrix
-but the mass. A line per system and noise says
+but the mass; for dry friction also the sign of the velocity. A line per system and noise says
 
 - exact: draws with the true terms and no others,
 - missed, false: true terms that were not found, and terms that are not true,
@@ -43,6 +43,12 @@ SYSTEMS = {
     "cubic_damping": {
         "start": ([1.5], [0.0]), "step": 0.05, "samples": 800,
         "equations": [{"x[u1]": -1.0, "v[u1]^3": -0.15}]},
+    # A mass that slides on a dry surface and does not come to rest: the friction
+    # turns over where the velocity changes its sign.
+    "coulomb": {
+        "start": ([1.5], [0.0]), "step": 0.05, "samples": 500, "turns": True,
+        "signs": ["v[u1]"],
+        "equations": [{"x[u1]": -1.0, "v[u1]": -0.04, "sign(v[u1])": -0.05}]},
     # Two masses, each on a spring and a dashpot, with a cubic spring between.
     "chain": {
         "start": ([1.2, -0.8], [0.0, 0.0]), "step": 0.05, "samples": 800,
@@ -64,12 +70,35 @@ def right_hand_side(system):
             text = text.replace(f"v[u{dof + 1}]", f"v[{dof}]")
         compiled.append(compile(text.replace("^", "**"), "equation", "eval"))
 
-    def rate(_, state):
+    def rate(_, state, direction=1.0):
         n = len(compiled)
-        names = {"x": state[:n], "v": state[n:]}
+        names = {"x": state[:n], "v": state[n:], "sign": lambda _: direction}
         return [*state[n:], *(eval(code, {}, names) for code in compiled)]
 
     return rate
+
+
+def motion(system, times):
+    """Returns the states at the times, a row per state."""
+    rate = right_hand_side(system)
+    start = np.concatenate(system["start"])
+    tight = {"rtol": 1e-10, "atol": 1e-12}
+    if not system.get("turns"):
+        return solve_ivp(rate, [0.0, times[-1]], start, t_eval=times, **tight).y
+    # A half cycle at a time, in which the friction has one sign.
+    def turn(_, state, direction):
+        return direction * state[1]
+
+    turn.terminal, turn.direction = True, -1.0
+    states, begin, direction = np.empty((2, times.size)), 0.0, -np.sign(start[0])
+    while begin < times[-1]:
+        piece = solve_ivp(rate, [begin, times[-1]], start, args=(direction,),
+                          events=turn, dense_output=True, **tight)
+        end = piece.t[-1]
+        inside = (times >= begin) & (times <= end)
+        states[:, inside] = piece.sol(times[inside])
+        begin, start, direction = end, np.array([piece.y[0, -1], 0.0]), -direction
+    return states
 
 
 def write_case(folder, name, noise, draw):
@@ -77,9 +106,7 @@ def write_case(folder, name, noise, draw):
     system = SYSTEMS[name]
     n = len(system["equations"])
     times = system["step"] * np.arange(system["samples"])
-    states = solve_ivp(
-        right_hand_side(system), [0.0, times[-1]], np.concatenate(system["start"]),
-        t_eval=times, rtol=1e-10, atol=1e-12).y
+    states = motion(system, times)
     random = np.random.default_rng([sorted(SYSTEMS).index(name), round(10 * noise), draw])
     spread = np.sqrt(np.mean(states**2, axis=1, keepdims=True))
     measured = states + noise / 100.0 * spread * random.standard_normal(states.shape)
@@ -93,6 +120,7 @@ def write_case(folder, name, noise, draw):
         f"  dof = \"u{dof + 1}\"\n  unit = \"{unit}\"\n"
         for q, quantity, unit in (("x", "displacement", "m"), ("v", "velocity", "m/s"))
         for dof in range(n))
+    signs = json.dumps(system.get("signs", []))
     inputs = [f"{q}[{dof}]" for q in "xv" for dof in dofs]
     (folder / "case.toml").write_text(
         f"""[model]
@@ -107,6 +135,7 @@ outputs = {json.dumps(dofs)}
 [discover]
 source = "derivatives"
 polynomial_degree = 3
+sign = {signs}
 [[record]]
 name = "free"
 file = "record.csv"
