@@ -193,6 +193,9 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
          (!estimate.has_between_records && IsSet(missed.within_doubt, j)))) {
       reason = Reason::kOtherExplanation;
     }
+    if (HasChanged(reason) && missed.other_level) {
+      reason = Reason::kOtherLevel;
+    }
     if (IsSet(missed.loss_instead, j) &&
         (HasChanged(reason) || reason == Reason::kFormal ||
          reason == Reason::kUndetermined || reason == Reason::kNone)) {
@@ -206,7 +209,7 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
 // Findings in words, by their meaning.
 struct Findings {
   std::vector<std::string> damaged, nonlinear, minor, other, formal, unknown,
-      unsure, unexplained, hidden, doubted;
+      unsure, unexplained, hidden, doubted, at_other_level;
   bool has_large_loss = false;     // among `damaged`
   bool has_possible_loss = false;  // among `unsure`
   bool has_between_records = false;
@@ -365,6 +368,9 @@ void AddChanges(const std::vector<ChangeSubject>& subjects,
       case Reason::kOtherExplanation:
         findings->doubted.push_back(Describe(subjects[j], change));
         break;
+      case Reason::kOtherLevel:
+        findings->at_other_level.push_back(Describe(subjects[j], change));
+        break;
       case Reason::kUnexplained:
         findings->unexplained.push_back(Describe(subjects[j], change));
         break;
@@ -415,14 +421,16 @@ void Decide(const Findings& findings, const ChangeOptions& options,
           findings.probabilities + ".";
     }
   } else if (!findings.other.empty() && findings.doubted.empty() &&
-             findings.hidden.empty() && !findings.has_possible_loss) {
+             findings.hidden.empty() && findings.at_other_level.empty() &&
+             !findings.has_possible_loss) {
     judgement->verdict = DamageVerdict::kOtherChange;
     judgement->sentence = "No loss of stiffness, but " + OtherChanges(findings);
   } else if (!findings.missed.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence = findings.missed;
   } else if (!findings.hidden.empty() || !findings.doubted.empty() ||
-             !findings.unsure.empty() || !findings.unknown.empty()) {
+             !findings.at_other_level.empty() || !findings.unsure.empty() ||
+             !findings.unknown.empty()) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence =
         "These data cannot tell whether any group lost stiffness.";
@@ -436,6 +444,7 @@ void Decide(const Findings& findings, const ChangeOptions& options,
 void AddDetails(const Findings& findings, Judgement* judgement) {
   std::string& sentence = judgement->sentence;
   const bool is_open = !findings.doubted.empty() || !findings.hidden.empty() ||
+                       !findings.at_other_level.empty() ||
                        findings.has_possible_loss;
   if ((!findings.damaged.empty() || !findings.nonlinear.empty() || is_open) &&
       !findings.other.empty()) {
@@ -450,6 +459,14 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
                 Join(findings.hidden) +
                 ". It depends on the level of motion. Add a baseline at the "
                 "level of the new record to see how much.";
+  }
+  if (!findings.at_other_level.empty()) {
+    sentence +=
+        " The model leaves motion unexplained, and the new records are "
+        "at another level of motion than the baselines. This may be "
+        "all that changed: " +
+        Join(findings.at_other_level) +
+        ". Add a baseline at the level of the new records.";
   }
   if (!findings.doubted.empty()) {
     sentence +=

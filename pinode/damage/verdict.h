@@ -71,6 +71,9 @@ enum class Reason {
   // another explanation of this motion shifts the group as far. Only with one
   // baseline.
   kOtherExplanation,
+  // Change between records at different levels of motion, of which the model
+  // leaves some unexplained. The change may come from the level.
+  kOtherLevel,
 };
 
 // Unexplained motion: RMS error of the simulation without the part due to
@@ -98,6 +101,10 @@ struct MissedMotion {
   // than the threshold if a mass that was found has not changed, or for a loss
   // that changes of masses and damping may stand for. Empty: false for all.
   std::vector<bool> loss_instead = {};
+
+  // True if motion is unexplained, and the new records are at another level of
+  // motion than all baselines.
+  bool other_level = false;
 
   // True if `last` is above 2 % and above three times `healthy`. The structure,
   // its loads or its sensors then have changed in a way that was not examined.
@@ -141,6 +148,7 @@ struct Judgement {
 // - any change, if more motion is unexplained than in the baselines
 //   (MissedMotion::IsMore), except a nonlinear force that
 //   MissedMotion::LeavesForce confirms;
+// - any change between different levels of motion, if some is unexplained;
 // - with one baseline, a change that is smaller than the unexplained motion, or
 //   within reach of other explanations of this motion.
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,

@@ -341,6 +341,27 @@ TEST(JudgeChange, CannotTellWhatAnotherExplanationReaches) {
             DamageVerdict::kCannotTell);
 }
 
+// A shear model of a measured frame had other stiffnesses at each level of
+// motion, whatever the number of baselines at one level.
+TEST(JudgeChange, CannotTellBetweenLevelsOfMotion) {
+  ChangeEstimate estimate;
+  estimate.groups = {Change(-0.24, 0.01, true), Change(0.1, 0.01, true),
+                     Change(0.0, 0.01, false)};
+  estimate.has_between_records = true;
+  MissedMotion missed;
+  EXPECT_EQ(JudgeChange(kSubjects, estimate, ChangeOptions(), missed).verdict,
+            DamageVerdict::kDamage);
+  missed.other_level = true;
+  const Judgement judgement =
+      JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  EXPECT_EQ(judgement.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(judgement.reasons[0], Reason::kOtherLevel);
+  EXPECT_EQ(judgement.reasons[1], Reason::kOtherLevel);
+  EXPECT_EQ(judgement.reasons[2], Reason::kNone);
+  EXPECT_THAT(judgement.sentence,
+              HasSubstr("Add a baseline at the level of the new records"));
+}
+
 TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
   ChangeEstimate estimate;
   estimate.groups = {Change(-0.24, 0.01, true), Change(0.0, 0.01, false),

@@ -15,6 +15,19 @@
 
 namespace pinode {
 
+// Level of motion at one sensor over the training records, for which a result
+// holds: the RMS over parts of a record, in `unit`
+// (pinode/problem/motion_levels.h).
+struct MotionLevel {
+  std::string channel;   // name of the sensor
+  std::string dof;       // place of the sensor
+  std::string quantity;  // as in case files, such as "displacement"
+  std::string unit;      // unit of the model
+  double lowest = 0.0;
+  double mean = 0.0;
+  double highest = 0.0;
+};
+
 // Result of Identify: its last fit, with a verdict. A new summary has the grade
 // "not usable".
 struct IdentificationSummary : FitSummary {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pinode/problem/fit_summary.h"
+#include "pinode/problem/identification_summary.h"
 #include "pinode/problem/identified_model.h"
 #include "pinode/problem/model_choice.h"
 #include "pinode/problem/parameter_profile.h"
@@ -65,6 +66,19 @@ struct FieldTable<RecordScore> {
       MakeField("states", &RecordScore::states),
       MakeField("state_mean_squares", &RecordScore::state_mean_squares),
       MakeField("deviations", &RecordScore::deviations));
+};
+
+template <>
+struct FieldTable<MotionLevel> {
+  static constexpr bool kExists = true;
+  static constexpr auto kFields =
+      std::make_tuple(MakeField("channel", &MotionLevel::channel),
+                      MakeField("dof", &MotionLevel::dof),
+                      MakeField("quantity", &MotionLevel::quantity),
+                      MakeField("unit", &MotionLevel::unit),
+                      MakeField("lowest", &MotionLevel::lowest),
+                      MakeField("mean", &MotionLevel::mean),
+                      MakeField("highest", &MotionLevel::highest));
 };
 
 template <>

@@ -43,8 +43,8 @@ constexpr size_t NumMembers() {
 template <typename T>
 class ResultFields : public ::testing::Test {};
 using Results =
-    ::testing::Types<ChannelScore, RecordScore, ParameterEstimate, ModeMatch,
-                     ModeScore, LoadEvidence, AmbientScore, FrfScore,
+    ::testing::Types<ChannelScore, RecordScore, MotionLevel, ParameterEstimate,
+                     ModeMatch, ModeScore, LoadEvidence, AmbientScore, FrfScore,
                      ForceEstimate, IterationRecord, StageRecord, Explanation,
                      Finding, ParameterProfile::Point, ParameterProfile,
                      ModelChoice::Step, ModelChoice, IdentifiedModel,

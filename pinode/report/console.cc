@@ -54,6 +54,7 @@ bool StandsIn(const DamageResult& damage, size_t subject) {
   return subject < reasons.size() &&
          (reasons[subject] == Reason::kUnexplained ||
           reasons[subject] == Reason::kModelError ||
+          reasons[subject] == Reason::kOtherLevel ||
           reasons[subject] == Reason::kOtherExplanation);
 }
 

@@ -48,6 +48,7 @@ struct Result {
   std::map<std::string, std::pair<std::string, double>> ties;
   std::vector<std::string> undetermined;
   Doubts doubts;  // as in Baseline
+  std::vector<MotionLevel> levels;
 };
 
 double NumberOr(const Json& object, const char* key, double otherwise) {
@@ -103,6 +104,25 @@ IdentificationSummary DoubtsIn(const Json& json) {
   return summary;
 }
 
+// Reads the levels of motion. Results of earlier versions have none.
+std::vector<MotionLevel> LevelsIn(const Json& json) {
+  std::vector<MotionLevel> levels;
+  for (const Json& level : json.value("levels_of_motion", Json::array())) {
+    if (!level.is_object()) continue;
+    MotionLevel read;
+    const Json dof = level.value("dof", Json());
+    const Json quantity = level.value("quantity", Json());
+    if (!dof.is_string() || !quantity.is_string()) continue;
+    read.dof = dof;
+    read.quantity = quantity;
+    read.lowest = NumberOr(level, "lowest", 0.0);
+    read.mean = NumberOr(level, "mean", 0.0);
+    read.highest = NumberOr(level, "highest", 0.0);
+    levels.push_back(std::move(read));
+  }
+  return levels;
+}
+
 bool ReadResult(const std::string& path, Result* result, std::string* error) {
   std::string text;
   if (!ReadTextFile(path, &text, error)) return false;
@@ -151,6 +171,7 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
   result->values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
   result->doubts = DoubtsOf(DoubtsIn(json));
+  result->levels = LevelsIn(json);
   return true;
 }
 
@@ -459,6 +480,7 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.with_followers.covariance = table.values(rows, rows);
   read.undetermined = result.undetermined;
   read.doubts = std::move(result.doubts);
+  read.levels = std::move(result.levels);
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;

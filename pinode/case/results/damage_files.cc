@@ -25,6 +25,8 @@ const char* ReasonName(Reason reason) {
       return "unexplained";
     case Reason::kModelError:
       return "model_error";
+    case Reason::kOtherLevel:
+      return "other_level";
     case Reason::kOtherExplanation:
       return "other_explanation";
   }

@@ -8,6 +8,7 @@
 #include "pinode/case/results/choice_json.h"
 #include "pinode/case/results/result_files.h"
 #include "pinode/case/results/verdict_json.h"
+#include "pinode/problem/motion_levels.h"
 #include "pinode/problem/record_grid.h"
 #include "pinode/problem/result_fields.h"
 #include "pinode/structure/model/mode_comparison.h"
@@ -86,6 +87,14 @@ Json Explanations(const IdentificationSummary& summary) {
     explanations.push_back(FieldsOf(explanation));
   }
   return explanations;
+}
+
+Json Levels(const IdentificationProblem& problem) {
+  Json levels = Json::array();
+  for (const MotionLevel& level : MotionLevels(problem)) {
+    levels.push_back(FieldsOf(level));
+  }
+  return levels;
 }
 
 Json Parameters(const IdentificationSummary& summary) {
@@ -314,6 +323,9 @@ bool FormatResultJson(const IdentificationProblem& problem,
   json["records"] = Records(problem, summary);
   json["parameters"] = Parameters(summary);
   json["explanations"] = Explanations(summary);
+  if (!problem.records.empty() || !problem.ambient.empty()) {
+    json["levels_of_motion"] = Levels(problem);
+  }
   if (!summary.profiles.empty()) json["profiles"] = Profiles(summary);
   if (!summary.choice.empty()) json["choice"] = ChoiceToJson(summary.choice);
   if (!summary.forces.empty()) json["forces"] = Forces(problem, summary);

@@ -26,6 +26,7 @@
 #include "pinode/case/results/updated_deck.h"
 #include "pinode/case/run/fit_case.h"
 #include "pinode/case/text/toml_value.h"
+#include "pinode/problem/motion_levels.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/result_fields.h"
 #include "pinode/python/binding/case_tree.h"
@@ -168,6 +169,14 @@ py::list ExplanationsOf(const Fit& fit) {
   py::list list;
   for (const Explanation& explanation : fit.summary.explanations) {
     list.append(DictOf(explanation));
+  }
+  return list;
+}
+
+py::list LevelsOf(const Fit& fit) {
+  py::list list;
+  for (const MotionLevel& level : MotionLevels(fit.c.problem)) {
+    list.append(DictOf(level));
   }
   return list;
 }
@@ -516,6 +525,7 @@ void BindFit(py::module_* module) {
           [](const Fit& fit) { return GradeName(fit.summary.verdict.grade()); })
       .def_property_readonly("findings", &FindingsOf)
       .def_property_readonly("explanations", &ExplanationsOf)
+      .def_property_readonly("levels_of_motion", &LevelsOf)
       .def_property_readonly("message",
                              [](const Fit& fit) { return fit.summary.message; })
       .def_property_readonly("termination",

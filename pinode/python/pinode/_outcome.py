@@ -104,6 +104,17 @@ class Outcome:
         return self._handle.explanations
 
     @property
+    def levels_of_motion(self) -> list[dict[str, Any]]:
+        """Levels of motion in the training records, one dictionary per sensor.
+
+        channel, dof, quantity, unit: sensor, its place, and the model's unit.
+        lowest, mean, highest: RMS over four parts of a record with equal energy.
+
+        If the verdict is "with_care", values may differ at other levels of motion.
+        """
+        return self._handle.levels_of_motion
+
+    @property
     def message(self) -> str:
         """Result of the fit in a sentence."""
         return self._handle.message

@@ -406,6 +406,17 @@ def test_bad_samples_are_named():
     assert any(wanted in remark for remark in _shaken(a3=values).check()["remarks"])
 
 
+def test_levels_of_motion():
+    _, floors = frame_testing.measure()
+    fit = _shaken().identify()
+    level, = fit.levels_of_motion
+    assert (level["channel"], level["dof"]) == ("a3", "u3")
+    assert (level["quantity"], level["unit"]) == ("absolute_acceleration", "m/s^2")
+    assert 0.0 < level["lowest"] < np.std(floors[:, 2]) < level["highest"]
+    assert level["lowest"] < level["mean"] < level["highest"]
+    assert pickle.loads(pickle.dumps(fit)).levels_of_motion == [level]
+
+
 def test_columns_that_are_no_measurements_are_refused():
     ground, floors = frame_testing.measure()
     with pytest.raises(pinode.Error, match="'ground_x', has entries of type bool"):

@@ -5,6 +5,7 @@
 
 #include "pinode/base/constants.h"
 #include "pinode/base/strings.h"
+#include "pinode/problem/motion_levels.h"
 #include "pinode/problem/parameter_layout.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/problem/growth.h"
@@ -122,6 +123,7 @@ Doubts DoubtsOf(const IdentificationSummary& summary) {
       doubts.whole = likeliest;
     }
   }
+  doubts.misses_motion = misses_motion && !doubts.whole.has_value();
   return doubts;
 }
 
@@ -188,6 +190,7 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
   result.parameter_values = Eigen::Map<const Vector>(
       values.data(), static_cast<Eigen::Index>(values.size()));
   result.doubts = DoubtsOf(summary);
+  result.levels = MotionLevels(problem);
   HealthyFit fit;
   fit.problem = problem;
   fit.summary = summary;

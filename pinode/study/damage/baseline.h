@@ -42,6 +42,8 @@ struct Doubts {
   std::vector<ExplainedValue> reach = {};
   // True if another solution describes the data as well.
   bool other_solution = false;
+  // True if motion is unexplained, also with the likeliest explanation.
+  bool misses_motion = false;
   // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;
 };
@@ -72,6 +74,8 @@ struct Baseline {
   Vector parameter_values;
 
   Doubts doubts = {};  // see DoubtsOf
+  // Levels of motion of the records. Empty: unknown.
+  std::vector<MotionLevel> levels = {};
 
   // Fit of the baseline. Null if only the values are known; `why_no_fit` then
   // has the reason as a clause.

@@ -7,6 +7,7 @@
 
 #include "pinode/estimate/fit/fit_checks.h"
 #include "pinode/estimate/shooting/score.h"
+#include "pinode/problem/motion_levels.h"
 #include "pinode/problem/verdict_limits.h"
 #include "pinode/study/damage/baseline_of_modes.h"
 #include "pinode/study/damage/change_explanations.h"
@@ -324,6 +325,7 @@ class Analyst {
                         [](Reason reason) {
                           return reason == Reason::kUnexplained ||
                                  reason == Reason::kModelError ||
+                                 reason == Reason::kOtherLevel ||
                                  reason == Reason::kOtherExplanation;
                         });
   }
@@ -351,6 +353,7 @@ class Analyst {
                                [](const Baseline& baseline) {
                                  return baseline.doubts.other_solution;
                                });
+    missed.other_level = IsAtOtherLevel();
     // Several baselines show themselves how much records differ.
     if (states.healthy.size() == 1) {
       missed.within_doubt = WithinDoubt(
@@ -359,6 +362,19 @@ class Analyst {
           result_.subjects, result_.estimate, states.options);
     }
     return missed;
+  }
+
+  // True if a model that leaves motion unexplained is compared with itself at
+  // another level of motion.
+  bool IsAtOtherLevel() const {
+    bool misses_motion = doubts_.misses_motion;
+    std::vector<MotionLevel> levels;
+    for (const Baseline& baseline : baselines_) {
+      misses_motion = misses_motion || baseline.doubts.misses_motion;
+      levels.insert(levels.end(), baseline.levels.begin(),
+                    baseline.levels.end());
+    }
+    return misses_motion && IsOtherLevel(levels, MotionLevels(problem_));
   }
 
   // A mass may have been added, which modes hardly tell from changed stiffness.

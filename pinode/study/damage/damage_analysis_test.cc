@@ -288,6 +288,42 @@ TEST_F(AnalyseDamageTest, ABaselineWithAnotherSolutionNamesNoGroup) {
       << result.judgement.sentence;
 }
 
+// A model that leaves motion unexplained has other values at another level of
+// motion, however many baselines there are at the same level.
+TEST_F(AnalyseDamageTest, AnotherLevelOfMotionMayBeAllThatChanged) {
+  const auto healthy = ChainAt(Vector{{0.05, -0.02, 0.01}});
+  const TestFit again = FitOf(MeasuredChain(3, *healthy, 9));
+  std::vector<Baseline> baselines = {BaselineOrFail(), Baseline()};
+  std::string error;
+  ASSERT_TRUE(BaselineFrom("second", again.problem, again.summary, again.model,
+                           &baselines[1], &error))
+      << error;
+  const auto scale_levels = [&baselines](double factor) {
+    for (MotionLevel& level : baselines[0].levels) {
+      level.lowest *= factor;
+      level.mean *= factor;
+      level.highest *= factor;
+    }
+    baselines[1].levels = baselines[0].levels;
+  };
+  const auto judge = [&](const std::vector<Baseline>& chosen) {
+    DamageResult result;
+    EXPECT_TRUE(Analyse(*damaged_, chosen, {}, &result, &error)) << error;
+    return result.judgement;
+  };
+  ASSERT_EQ(baselines[0].levels.size(), 3u);
+  scale_levels(0.1);
+  // Complete models do not depend on the level.
+  EXPECT_EQ(judge(baselines).verdict, DamageVerdict::kDamage);
+  baselines[0].doubts.misses_motion = true;
+  EXPECT_EQ(judge(baselines).verdict, DamageVerdict::kCannotTell);
+  const Judgement alone = judge({baselines[0]});
+  EXPECT_EQ(alone.verdict, DamageVerdict::kCannotTell);
+  EXPECT_EQ(alone.reasons[1], Reason::kOtherLevel);
+  scale_levels(10.0);
+  EXPECT_EQ(judge(baselines).verdict, DamageVerdict::kDamage);
+}
+
 // An extra pole that the fit left out says nothing against the values of the
 // other modes. Any other reason for care, or a likely explanation, does.
 TEST(DoubtsOf, AnUnusedModeAloneWidensNothing) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/problem/motion_levels.h"
 #include "pinode/study/explanations/explain.h"
 #include "pinode/study/explanations/record_checks.h"
 #include "pinode/study/explanations/unknown_forces.h"
@@ -219,6 +220,8 @@ class MainJob {
     if (summary.verdict.grade() == Grade::kWithCare) {
       Widen(explained.intervals, &summary.parameters);
       if (!explained.forces.empty()) summary.forces = explained.forces;
+      const std::string range = LevelSentence(MotionLevels(result.problem));
+      if (!range.empty()) summary.remarks.push_back(range);
     }
     summary.explanations = std::move(explained.explanations);
     summary.choice = std::move(choice_);

@@ -1,0 +1,34 @@
+// Levels of motion that records cover.
+
+#ifndef PINODE_PROBLEM_MOTION_LEVELS_H_
+#define PINODE_PROBLEM_MOTION_LEVELS_H_
+
+#include <string>
+#include <vector>
+
+#include "pinode/problem/identification_problem.h"
+#include "pinode/problem/identification_summary.h"
+
+namespace pinode {
+
+// Returns the level of motion at each fitted sensor over the training records
+// and the ambient ones. Each record is cut into four parts of equal energy. A
+// part's level is the RMS of the measured motion about its mean over the whole
+// record. Records without motion, and those of fewer than 40 samples, have
+// none.
+std::vector<MotionLevel> MotionLevels(const IdentificationProblem& problem);
+
+// Returns a sentence with the range at the sensor of the largest motion, among
+// those that measure the first one's quantity. Empty without levels.
+std::string LevelSentence(const std::vector<MotionLevel>& levels);
+
+// True if new records move at another level than the baselines, at more than
+// half of the common sensors: the mean level of one side lies a quarter above
+// or below all levels of the other side. Baselines at levels on both sides of
+// the new records enclose them. False without common sensors.
+bool IsOtherLevel(const std::vector<MotionLevel>& baselines,
+                  const std::vector<MotionLevel>& now);
+
+}  // namespace pinode
+
+#endif  // PINODE_PROBLEM_MOTION_LEVELS_H_
