@@ -193,6 +193,9 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
          (!estimate.has_between_records && IsSet(missed.within_doubt, j)))) {
       reason = Reason::kOtherExplanation;
     }
+    // A shear model of a measured frame left 7 and 10 % of its motion
+    // unexplained. From one level of motion to another its storeys "lost" up to
+    // 47 %, so that no size of a change rules the level out.
     if (HasChanged(reason) && missed.other_level) {
       reason = Reason::kOtherLevel;
     }
