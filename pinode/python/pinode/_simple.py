@@ -154,7 +154,7 @@ def identify(
     case = None
     if is_ratio and float(ratio) > 0.0:
         if springs is not None:
-            case = _with_dampers(plain, float(ratio), springs, found, dofs, keys)
+            case = _with_dampers(plain, float(ratio), springs, found, names, keys)
         found.append(Group("damping", plain.damping, adds_to="damping"))
     if case is None:
         case = Case(model, groups=found, **keys)
@@ -239,7 +239,12 @@ def _places(response: Any, count: int, names: list[str]) -> list[str]:
     """Returns the DOFs of the channels: those that the columns of a frame name, or all
     in order.
     """
-    if is_frame(response) and all(name in names for name in response.columns):
+    if is_frame(response) and any(name in names for name in response.columns):
+        for name in response.columns:
+            if name not in names:
+                raise Error(f"identify: response has the column {name!r:.40}, which is no DOF of the "
+                            f"model ({', '.join(names):.60}), expected at=[...], the DOF of each "
+                            "channel")
         return list(response.columns)
     if count != len(names):
         raise Error(

@@ -162,3 +162,18 @@ def test_columns_of_a_group_are_the_dofs_in_their_order():
         pinode.Case(model, groups=[pinode.Group("k", turned)])
     with pytest.raises(pinode.Error, match="^Model: stiffness has the columns floor, roof"):
         pinode.Model(np.eye(2), turned, dofs=names)
+
+
+def test_one_call_takes_names_from_frames():
+    ground, floors = frame_testing.measure((0.1, 0.0, 0.0))
+    names = ["low", "middle", "roof"]
+    mass, stiffness = (pandas.DataFrame(v, index=names, columns=names)
+                       for v in (frame_testing.MASS, frame_testing.STIFFNESS))
+    response = pandas.DataFrame(floors, columns=names)
+    given = dict(ground=ground, step=frame_testing.STEP)
+    found = pinode.identify(mass, stiffness, response[names[::-1]], **given)
+    assert found.case.dofs == names and found.verdict == "good"
+    assert found["k_ground_low"] == pytest.approx(-0.1, abs=2e-3)
+    with pytest.raises(pinode.Error, match="response has the column 'top', which is no DOF of the "
+                                           r"model \(low, middle, roof\), expected at="):
+        pinode.identify(mass, stiffness, response.rename(columns={"roof": "top"}), **given)
