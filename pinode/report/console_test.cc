@@ -90,8 +90,8 @@ TEST(Console, HasAllTables) {
   // Remarks found in the data before the fit.
   ASSERT_FALSE(example->problem.description.remarks.empty());
   EXPECT_EQ(Lines(text)[2], example->problem.description.remarks[0]);
-  for (const char* heading : {"Usable.", "Error of the simulation",
-                              "Parameters", "Modes", "Sensors"}) {
+  for (const char* heading :
+       {"Good.", "Error of the simulation", "Parameters", "Modes", "Sensors"}) {
     EXPECT_THAT(text, HasSubstr(heading));
   }
   for (const std::string& line : Lines(text)) {

@@ -98,7 +98,7 @@ TEST(HtmlReport, ComesInTheOrderOfImportance) {
   const std::string html = RenderHtmlReport(example->input, WithoutGnuplot());
   size_t at = 0;
   for (const char* part :
-       {"Three-storey frame", "Usable. The updated model", "What changed",
+       {"Three-storey frame", "Good. The updated model", "What changed",
         "How well the model predicts", "3.12",
         "Modes of the initial and the updated model", ">Records<",
         "Restoring forces", "How it was solved",

@@ -126,7 +126,7 @@ std::string VerdictSentence(const ReportInput& input) {
   const IdentificationSummary& summary = *input.summary;
   const std::string cares = Cares(summary.verdict);
   if (!summary.usable()) return cares.substr(0, cares.size() - 1);
-  const std::string usable = cares.empty() ? "Usable. " : cares;
+  const std::string usable = cares.empty() ? "Good. " : cares;
   std::vector<std::string> holdouts;
   const RecordScore* worst_training = nullptr;
   for (const RecordScore& record : summary.records) {
@@ -146,7 +146,7 @@ std::string VerdictSentence(const ReportInput& input) {
            Join(holdouts, ", ") + "." + missed + ModeSentence(summary);
   }
   std::string verdict =
-      cares.empty() ? "Usable, but untested" : cares + "It is untested";
+      cares.empty() ? "Good, but untested" : cares + "It is untested";
   if (worst_training == nullptr && !summary.ambient.empty()) {
     std::vector<std::string> records;
     double least = 1.0;

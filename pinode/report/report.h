@@ -65,7 +65,7 @@ ReportInput MakeReportInput(const IdentificationProblem& problem,
                             const IdentifiedModel& model,
                             const ReportOrigin& origin = ReportOrigin());
 
-// Returns the verdict of the summary with its findings in words: "Usable. ..."
+// Returns the verdict of the summary with its findings in words: "Good. ..."
 // or "Not usable: ...".
 std::string VerdictSentence(const ReportInput& input);
 

@@ -20,7 +20,7 @@ TEST(VerdictSentence, PutsTheHoldoutScoreFirst) {
   example->summary.records[1].nrmse = 0.0312;
   example->summary.records[1].prior_nrmse = 0.45;
   EXPECT_EQ(VerdictSentence(example->input),
-            "Usable. The updated model predicts the hold-out record "
+            "Good. The updated model predicts the hold-out record "
             "'south_quake' well, with an error of 3.12 % (initial model: "
             "45.0 %).");
   for (ChannelScore& channel : example->summary.records[1].channels) {
@@ -56,7 +56,7 @@ TEST(VerdictSentence, SaysThatNothingWasHeldOut) {
   const auto example = testing::MakeReportExample();
   example->summary.records.pop_back();
   EXPECT_THAT(VerdictSentence(example->input),
-              StartsWith("Usable, but untested"));
+              StartsWith("Good, but untested"));
 }
 
 TEST(VerdictSentence, SaysHowMeasuredModesAreMet) {

@@ -196,7 +196,7 @@ def test_profiles_of_the_likelihood(healthy):
 
 
 def test_reprs(baseline):
-    assert "k1" in str(baseline) and baseline.sentence.startswith("Usable")
+    assert "k1" in str(baseline) and baseline.sentence.startswith("Good")
     assert "<td>k1</td>" in baseline._repr_html_()
     assert "Fit(" in repr(baseline)
     assert json.dumps(baseline.json)
