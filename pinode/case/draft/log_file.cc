@@ -181,14 +181,17 @@ bool ReadBinaryLog(const LogOptions& options, LogFile* log,
   std::vector<std::string> columns;
   if (!FindBinaryColumns(log->path, options, &columns, error)) return false;
   const bool needs_time = options.sampling_rate_hz == 0.0;
-  for (const std::string& name :
-       {options.time, std::string("t"), std::string("time")}) {
-    const auto found = std::find(columns.begin(), columns.end(), name);
-    if (found == columns.end()) continue;
-    log->time_column = name;
-    columns.erase(found);
-    break;
-  }
+  const auto given = std::find(columns.begin(), columns.end(), options.time);
+  log->time_column =
+      given == columns.end() ? TimeOfArrays(columns) : options.time;
+  columns.erase(std::remove(columns.begin(), columns.end(), log->time_column),
+                columns.end());
+  // Other times of a file with several clocks are no channels.
+  const auto others = std::stable_partition(
+      columns.begin(), columns.end(),
+      [](const std::string& name) { return !IsTimeOfArrays(name); });
+  log->unused_times.assign(others, columns.end());
+  columns.erase(others, columns.end());
   if (needs_time && log->time_column.empty()) {
     return AskForTime(log->path, question);
   }

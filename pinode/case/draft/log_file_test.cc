@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "pinode/base/arrays/matlab_writer.h"
 #include "pinode/base/strings.h"
 #include "tests/support/temporary_folder_testing.h"
 
@@ -75,6 +76,29 @@ TEST(LogFileTest, ArraysAreReadToo) {
   EXPECT_FALSE(
       ReadLogFile(LogSample("arrays/record.npz"), {}, &log, &question, &error));
   EXPECT_THAT(error, HasSubstr("7 samples, expected 64 or more"));
+}
+
+// The time of a structure is no channel, also beside a sampling rate.
+TEST(LogFileTest, TimeOfAStructure) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("log.mat");
+  std::string error;
+  MatlabWriter writer(path);
+  const Vector times = Vector::LinSpaced(100, 0.0, 0.99);
+  writer.AddStructure(
+      "data", {{"time", times, {}}, {"acc", times.array().cos().matrix(), {}}});
+  ASSERT_TRUE(writer.Close(&error)) << error;
+  for (const double rate : {0.0, 50.0}) {
+    LogFile log;
+    DraftQuestion question;
+    LogOptions options;
+    options.sampling_rate_hz = rate;
+    ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+    EXPECT_EQ(log.time_column, rate > 0.0 ? "" : "data.time");
+    EXPECT_NEAR(log.step, rate > 0.0 ? 0.02 : 0.01, 1e-12);
+    ASSERT_EQ(log.columns.size(), 1u);
+    EXPECT_EQ(log.columns[0].name, "data.acc");
+  }
 }
 
 TEST(LogFileTest, AsksForTheTimeOfArrays) {

@@ -170,6 +170,8 @@ class DataFileReader {
       // The reader's error message applies if the file is no table.
       if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
         return false;
+      time_ = TimeOfArrays(table.columns);
+      if (!time_.empty()) return true;
     }
     return Fail(
         "no column is recognised as the time; expected one named 't' or "
@@ -216,7 +218,7 @@ class DataFileReader {
     for (size_t i = 0; i < table.columns.size(); ++i) {
       const std::string& name = table.columns[i];
       if (name == time_) continue;
-      if (IsNameOfTime(name) &&
+      if ((IsNameOfTime(name) || IsTimeOfArrays(name)) &&
           IsUniformRamp(table.values.col(static_cast<Eigen::Index>(i)))) {
         continue;
       }

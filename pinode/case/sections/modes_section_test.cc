@@ -418,6 +418,21 @@ TEST_F(ModesSectionTest, DataFilesThatAreNoText) {
   ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
   ASSERT_THAT(c.records, SizeIs(1));
   EXPECT_EQ(c.records[0].samples, record_.samples);
+
+  // The time of a structure, also beside a sampling rate.
+  file.path = folder_.Path("structure.mat");
+  MatlabWriter structure(file.path);
+  structure.AddStructure("run", {{"time", columns.col(0), {}},
+                                 {"a1", columns.col(1), {}},
+                                 {"a2", columns.col(2), {}}});
+  ASSERT_TRUE(structure.Close(&error)) << error;
+  for (const double rate : {0.0, 1.0 / record_.sampling_step}) {
+    file.sampling_rate_hz = rate;
+    c = ModesCase();
+    ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+    ASSERT_THAT(c.records, SizeIs(1));
+    EXPECT_EQ(c.records[0].samples, record_.samples) << rate;
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pinode/base/arrays/array_files.h"
+#include "pinode/base/file_text.h"
 #include "pinode/base/logging.h"
 #include "pinode/base/strings.h"
 #include "pinode/record/files/loggers/logger_table.h"
@@ -167,6 +168,25 @@ bool ReadArrayTable(const std::string& path,
   std::iota(result.line_numbers.begin(), result.line_numbers.end(), int64_t{1});
   *table = std::move(result);
   return true;
+}
+
+bool IsTimeOfArrays(const std::string& name) {
+  const size_t part = name.find_last_of("./") + 1;  // 0 without one
+  const std::string lower = LowerCase(name.substr(part));
+  return lower == "t" || lower == "time";
+}
+
+std::string TimeOfArrays(const std::vector<std::string>& columns) {
+  for (const char* name : {"t", "time"}) {
+    if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
+      return name;
+    }
+  }
+  const auto found =
+      std::find_if(columns.begin(), columns.end(), IsTimeOfArrays);
+  return std::count_if(columns.begin(), columns.end(), IsTimeOfArrays) == 1
+             ? *found
+             : "";
 }
 
 bool IsTextFile(const std::string& path, const TextFormat& format) {

@@ -33,6 +33,14 @@ namespace pinode {
                              const TextFormat& format, Table* table,
                              std::string* error);
 
+// True for the name of a time: "t" or "time", alone or as the last part, as in
+// "data.time" and "setup1/t".
+bool IsTimeOfArrays(const std::string& name);
+
+// Returns the column that is the time by its name: "t", "time", or the only one
+// whose last part is called so. Empty: there is none.
+std::string TimeOfArrays(const std::vector<std::string>& columns);
+
 // True if ReadTable takes the file for text in columns. A format with header
 // lines or a delimiter makes an LVM file one.
 bool IsTextFile(const std::string& path, const TextFormat& format = {});

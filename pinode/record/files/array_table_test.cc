@@ -53,6 +53,18 @@ TEST(ArrayTableTest, AllColumnsOfTheLongestArrays) {
   EXPECT_TRUE(std::isnan(table.values(2, 0)));
 }
 
+TEST(ArrayTableTest, TimesOfStructures) {
+  EXPECT_EQ(TimeOfArrays({"a", "data.time", "t"}), "t");
+  EXPECT_EQ(TimeOfArrays({"time", "data.t"}), "time");
+  EXPECT_EQ(TimeOfArrays({"data.acc[1]", "data.Time"}), "data.Time");
+  EXPECT_EQ(TimeOfArrays({"setup1/t", "setup1/acc"}), "setup1/t");
+  // Several clocks, and names that are none.
+  EXPECT_EQ(TimeOfArrays({"run(1).time", "run(2).time"}), "");
+  EXPECT_EQ(TimeOfArrays({"data.t2", "time.acc", "data.rate"}), "");
+  EXPECT_TRUE(IsTimeOfArrays("run(1).time"));
+  EXPECT_FALSE(IsTimeOfArrays("time.acc"));
+}
+
 TEST(ArrayTableTest, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf("record.npz", {"x"}),
               HasSubstr("no array is called 'x'"));
