@@ -60,13 +60,7 @@ class MainJob {
     // A fit that is not sound has its reasons already.
     SettledSteps steps;
     if (IsSound()) steps = Settle();
-    // Terms were kept or left out by fits with an error of their steps, which a
-    // term can make up for.
-    if (steps.were_long && steps.refined && !extras_.candidates.empty() &&
-        !RenewsBasis()) {
-      ChooseAgain();
-      steps = IsSound() ? Settle() : SettledSteps();
-    }
+    if (MayHaveFalseTerms(steps)) steps = ChooseAgain(std::move(steps));
     return Judged(std::move(steps.findings));
   }
 
@@ -154,18 +148,54 @@ class MainJob {
     return SettleSteps(options_, &inner_, &problem_, &fit_, &model_);
   }
 
-  // Fits all candidates with the steps that were found, and chooses among them.
-  void ChooseAgain() {
+  // True if terms were kept or left out by fits with an error of their steps,
+  // which a term can make up for.
+  bool MayHaveFalseTerms(const SettledSteps& steps) const {
+    return steps.were_long && steps.refined && !extras_.candidates.empty() &&
+           !RenewsBasis() && fit_.termination != Termination::kInterrupted;
+  }
+
+  // Fits all candidates with the finer steps, from what was found, and chooses
+  // among them. The result so far stays if that does not come to an end.
+  SettledSteps ChooseAgain(SettledSteps steps) {
+    const TermFit so_far{problem_, fit_, model_, choice_};
+    const bool was_sound = IsSound();
     for (size_t r = 0; r < problem_.records.size(); ++r) {
       const IdentificationRecord& finer = problem_.records[r];
       all_.records[r].substeps = finer.substeps;
       all_.records[r].exponential_steps = finer.exponential_steps;
     }
+    const IdentifiedModel begin = ModelOfOther(problem_, model_, all_);
+    IdentificationOptions near = options_;
+    BeginNearTheEnd(&near);
+    const FitHistory history = FitHistory::Of(fit_);
     problem_ = all_;
     choice_ = ModelChoice();
-    inner_.Run("all terms with finer steps", problem_, options_, extras_.start,
-               &fit_, &model_);
+    inner_.Run("all terms, finer steps", problem_, near, &begin, &fit_,
+               &model_);
+    history.Enter(&fit_);
     ChooseAmongCandidates();
+    SettleLoadSpectra(options_, &inner_, &problem_, &fit_, &model_);
+    SettledSteps again = IsSound() ? Settle() : SettledSteps();
+    if (IsSound() || !was_sound) return again;
+    const FitSummary failed = std::move(fit_);
+    problem_ = so_far.problem;
+    fit_ = so_far.summary;
+    model_ = so_far.model;
+    choice_ = so_far.choice;
+    if (failed.termination == Termination::kInterrupted) {
+      fit_.termination = Termination::kInterrupted;
+      fit_.message = failed.message;
+      return steps;
+    }
+    Finding finding{"terms_of_long_steps",
+                    "the terms were chosen with long steps, and the choice "
+                    "with finer ones failed: " +
+                        failed.message};
+    finding.advice = "give `substeps`";
+    finding.grade = Grade::kWithCare;
+    steps.findings.push_back(std::move(finding));
+    return steps;
   }
 
   void Renew() {

@@ -61,7 +61,8 @@ struct Identification {
 //    settles (pinode/study/reduction/renewed_basis.h).
 // 4. Refines spectra of unmeasured loads that are too coarse for the ambient
 //    records (pinode/study/identify/load_spectra.h).
-// 5. Refines integration steps that are too long
+// 5. Refines integration steps that are too long, and chooses among the
+//    candidates again with the finer ones
 //    (pinode/study/identify/step_check.h).
 // 6. Makes the verdict from the findings of all checks
 //    (pinode/estimate/fit/fit_checks.h).

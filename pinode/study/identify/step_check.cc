@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kShift = 0.1;  // deviations
 constexpr int kMostSteps = 64;
-// A refinement makes a fit at most this much dearer. Two of them are allowed.
+// A refinement makes a fit at most this much dearer.
 constexpr double kLargestFactor = 8.0;
 
 bool TakesSteps(const IdentificationProblem& problem) {
@@ -101,6 +101,15 @@ bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
   if (!(check.shift > kShift)) return false;
   const double factor = std::min(
       std::sqrt(std::sqrt(2.0 * check.shift / kShift)), kLargestFactor);
+  const auto is_chosen_training = [](const IdentificationRecord& record) {
+    return record.role == IdentificationRecord::Role::kTrain &&
+           record.substeps_chosen;
+  };
+  // Hold-outs follow training records. The shift is that of these.
+  if (std::none_of(problem->records.begin(), problem->records.end(),
+                   is_chosen_training)) {
+    return false;
+  }
   bool changed = false;
   for (IdentificationRecord& record : problem->records) {
     if (!record.substeps_chosen) continue;
@@ -113,7 +122,7 @@ bool RefineSteps(const StepCheck& check, IdentificationProblem* problem) {
     int* steps = runge_kutta ? &record.substeps : &record.exponential_steps;
     const int finer = std::min(runge_kutta ? kMaxSubsteps : kMostSteps,
                                static_cast<int>(std::ceil(factor * *steps)));
-    changed = changed || finer > *steps;
+    changed = changed || (is_chosen_training(record) && finer > *steps);
     *steps = std::max(*steps, finer);
   }
   return changed;

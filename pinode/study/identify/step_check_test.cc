@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pinode/base/statistics.h"
@@ -15,6 +16,7 @@
 #include "pinode/problem/record_grid.h"
 #include "pinode/study/identify/identify.h"
 #include "pinode/study/problem/checkpoint.h"
+#include "pinode/study/problem/identification_watch.h"
 #include "pinode/study/problem/make_problem.h"
 #include "pinode/study/problem/substeps.h"
 #include "pinode/study/terms/library_term.h"
@@ -227,7 +229,7 @@ class DryFriction : public ::testing::Test {
 
   // Displacement and acceleration of the samples, by steps of 0.2 ms.
   static Matrix Motion() {
-    constexpr int kSamples = 1000;
+    constexpr int kSamples = 500;
     constexpr int kSteps = 100;
     const auto acceleration = [](const double* state) {
       return -0.2 * state[1] - 57.0 * state[0] -
@@ -255,6 +257,35 @@ class DryFriction : public ::testing::Test {
   std::string error_;
 };
 
+// Stops the fit of this name.
+class StopAt : public IdentificationWatch {
+ public:
+  explicit StopAt(std::string what) : what_(std::move(what)) {}
+  bool OnIteration(const std::string& what, const IdentificationProblem&,
+                   const IdentificationProgress&) override {
+    has_stopped_ = has_stopped_ || what == what_;
+    return !has_stopped_;
+  }
+  bool has_stopped() const { return has_stopped_; }
+
+ private:
+  const std::string what_;
+  bool has_stopped_ = false;
+};
+
+TEST_F(DryFriction, KeepsWhatWasFoundIfTheSecondChoiceIsInterrupted) {
+  for (const char* what : {"finer steps", "all terms, finer steps"}) {
+    StopAt watch(what);
+    const Identification found =
+        Identify(problem_, IdentificationOptions(), extras_, &watch);
+    EXPECT_TRUE(watch.has_stopped()) << what;
+    EXPECT_EQ(found.summary.termination, Termination::kInterrupted) << what;
+    EXPECT_FALSE(found.summary.usable());
+    EXPECT_FALSE(found.summary.choice.empty()) << what;
+    EXPECT_LT(found.summary.records[0].nrmse, 0.05) << what;
+  }
+}
+
 TEST_F(DryFriction, HasNoFalseTermsThatMakeUpForLongSteps) {
   EXPECT_EQ(problem_.records[0].substeps, 1);
   const std::string identity = ProblemIdentity(problem_);
@@ -271,6 +302,29 @@ TEST_F(DryFriction, HasNoFalseTermsThatMakeUpForLongSteps) {
     if (estimate.name != "law.tanh(v[u]/0.01)") continue;
     EXPECT_LT(std::abs(estimate.value - 1.5), 4.0 * estimate.sigma);
   }
+  // A checkpoint lacks the terms that were left out.
+  extras_.start = &found.model;
+  extras_.resumed = true;
+  extras_.choice = found.summary.choice;
+  const Identification again =
+      Identify(problem_, IdentificationOptions(), extras_, nullptr);
+  EXPECT_TRUE(again.summary.usable()) << again.summary.message;
+  EXPECT_EQ(again.summary.choice.left_out, found.summary.choice.left_out);
+}
+
+TEST_F(DryFriction, HoldOutsAreNotRefinedAlone) {
+  problem_.records[0].substeps_chosen = false;
+  problem_.records.push_back(problem_.records[0]);
+  problem_.records[1].role = IdentificationRecord::Role::kHoldout;
+  problem_.records[1].substeps_chosen = true;
+  StepCheck check;
+  check.shift = 5.0;
+  EXPECT_FALSE(RefineSteps(check, &problem_));
+  EXPECT_EQ(problem_.records[1].substeps, 1);
+  problem_.records[0].substeps_chosen = true;
+  EXPECT_TRUE(RefineSteps(check, &problem_));
+  EXPECT_EQ(problem_.records[0].substeps, 4);
+  EXPECT_EQ(problem_.records[1].substeps, 4);
 }
 
 TEST_F(DryFriction, KeepsStepsThatAreGiven) {
