@@ -7,6 +7,9 @@
 // Two things have headers of their own. Residual blocks for a ceres::Problem
 // are in pinode/estimate/trajectory_cost.h and segment_cost.h. Ranks of an MPI
 // job are in pinode/mpi/mpi_communicator.h.
+//
+// Sources that a comment cites by author and year are listed in
+// pinode/theory/references.md.
 
 #ifndef PINODE_PINODE_H_
 #define PINODE_PINODE_H_

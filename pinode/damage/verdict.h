@@ -97,9 +97,11 @@ struct MissedMotion {
   // One flag per subject. It is true if an added mass explains what changed
   // about as well, whatever the number of baselines. Empty: false for all.
   std::vector<bool> mass_instead = {};
-  // One flag per subject. It is true for a stiffness that may have lost more
-  // than the threshold if a mass that was found has not changed, or for a loss
-  // that changes of masses and damping may stand for. Empty: false for all.
+  // One flag per subject. It is true in two cases:
+  // - a stiffness may have lost more than the threshold, if the mass that was
+  //   found is in fact unchanged;
+  // - changes of masses and damping say the same as this loss of stiffness.
+  // Empty: false for all.
   std::vector<bool> loss_instead = {};
 
   // True if motion is unexplained, and the new records are at another level of
@@ -141,7 +143,8 @@ struct Judgement {
 //   cannot_tell   A change may exist but does not count as found, see below.
 //                 Or a stiffness group may have lost more than the threshold,
 //                 with more than 5 % probability.
-//   no_damage     Nothing was found, and nothing is possible.
+//   no_damage     No change was found. For each group, a loss beyond the
+//                 threshold has a probability of at most 5 %.
 //
 // These changes do not count as found:
 // - a change with a rival of another kind;

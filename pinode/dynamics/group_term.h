@@ -16,6 +16,8 @@ struct GroupTerm {
   // Quantity that the correction is proportional to.
   enum class Follows { kNothing, kTime, kCovariate };
   MatrixGroup group;
+  // Unknown factor. It is dimensionless if the group follows nothing. Otherwise
+  // its unit is one over that of the time or covariate.
   Parameter alpha;
   // Multiple of the group's matrix that the model's matrices already contain.
   // alpha is the change of this multiple: with present = 1, alpha = 0.1 is a

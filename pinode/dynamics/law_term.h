@@ -23,9 +23,12 @@ struct LawTerm {
   std::shared_ptr<const Law> law;
   // Arguments of the law, Law::num_features() entries.
   std::vector<Feature> features;
-  // Map from the law's outputs to the DOFs, num_dofs x Law::num_outputs().
+  // Map from the law's outputs to the DOFs, num_dofs x Law::num_outputs(). A
+  // spring from a to b with the deformation x[b] - x[a] has -1 at a and +1 at
+  // b.
   Matrix outputs;
-  // Unit of the outputs: forces, or accelerations.
+  // Effect of the outputs. kForce: resisting forces, which are subtracted from
+  // the loads. kAcceleration: they are added to dv/dt.
   ActsAs acts_as = ActsAs::kForce;
   // Parameters of the law, Law::num_parameters() entries.
   ParameterBlock parameters;

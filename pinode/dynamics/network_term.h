@@ -23,7 +23,8 @@ struct NetworkTerm {
   // Map from the network's outputs to the DOFs, num_dofs x outputs.
   Matrix outputs;
   std::vector<std::string> output_names;
-  // Unit of the outputs: accelerations, or forces.
+  // Effect of the outputs. kForce: resisting forces, which are subtracted from
+  // the loads. kAcceleration: they are added to dv/dt.
   ActsAs acts_as = ActsAs::kAcceleration;
   ParameterBlock weights;
   // Weight decay: precision (1 / variance) of the weights' Gaussian prior with
@@ -35,7 +36,7 @@ struct NetworkTerm {
 };
 
 // True for a network that depends on time alone and acts as a force. Such a
-// network is an unknown force.
+// network is an unknown force with the opposite sign: its output resists.
 bool IsForceOfTime(const NetworkTerm& term);
 
 // Creates the term. Term::IsValid checks sizes and features. The derivatives

@@ -23,8 +23,8 @@
 
 namespace pinode {
 
-// Equation of motion of Z. Lai et al. (2021), eqs. (5), (13), (15) and (18), in
-// first-order form with the state h = [x; v; z]:
+// Equation of motion of Z. Lai et al., J. Sound Vib. 508 (2021) 116196, eqs.
+// (5), (13), (15) and (18), in first-order form with the state h = [x; v; z]:
 //
 //   M a + C v + K x = B u(t) - sum_j S_j g_j(q_j)      (forces)
 //                            + sum_j s_j F_j(t)        (unknown forces)

@@ -50,7 +50,7 @@ class TrajectoryCost final : public ceres::CostFunction {
     // Method for the derivatives, and loss function of the residuals.
     DerivativeMethod derivatives = DerivativeMethod::kTangents;
     RobustLoss loss = RobustLoss::kNone;
-    // residuals beyond it count less; in units of sigma
+    // Size, in units of sigma, beyond which residuals count less.
     double loss_scale = 3.0;
     int num_threads = 1;
   };

@@ -32,14 +32,14 @@ enum class DerivativeMethod {
 // Wanner, Solving Ordinary Differential Equations II, 1996, section IV.2). dt
 // is the step, lambda an eigenvalue of the linearised state matrix.
 struct StabilityReport {
-  // Largest |lambda| in 1/s (rad/s for undamped modes).
+  // Largest |lambda|, in rad per unit of the model's time.
   double largest_eigenvalue = 0.0;
   // Largest |R(dt lambda)| of the modes that do not grow in exact integration.
   // A value above 1 means that steps are too long.
   double growth = 0.0;
   // Steps per sampling interval.
   int substeps = 1;
-  double step = 0.0;  // step dt in s
+  double step = 0.0;  // step dt, in the model's unit of time
   bool stable = false;
 };
 

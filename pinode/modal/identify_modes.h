@@ -101,9 +101,9 @@ const char* ModalMethodName(ModalMethod method);
 struct ModeIdentificationOptions {
   // Method of identification.
   ModalMethod method = ModalMethod::kAutomatic;
-  // Frequency range of the search in Hz. Default (0): from 50 divided by the
-  // record's duration to 0.475 times the sampling rate, 0.425 times
-  // it under measured loads.
+  // Frequency range of the search in Hz. Default (0): the lower limit is 50 /
+  // duration, or 5 / duration for a free decay. The upper limit is 0.475 times
+  // the sampling rate, or 0.425 times with measured loads.
   double lowest_hz = 0.0;
   double highest_hz = 0.0;
   // Number of block rows of the Hankel matrix. Default (0): chosen between 12
@@ -136,9 +136,9 @@ struct ModesOfRecord {
 // The modes of a structure may spread over decades of frequency. A Hankel
 // matrix covers only frequencies that have a few periods within its lags. The
 // record is therefore analysed at its own sampling rate, at half of it, and so
-// on. Each analysis covers 0.2 to 0.8 of half its rate, the last one down to
-// lowest_hz. If two rates find the same mode, the more certain estimate is
-// used.
+// on. Each analysis covers 0.2 to 0.8 of half its rate. The first one extends
+// to highest_hz, the last one to lowest_hz. If two rates find the same mode,
+// the more certain estimate is used.
 //
 // Returns false, with a sentence in *error, if the record is not valid or too
 // short. Also returns false if options do not fit the record, such as a method

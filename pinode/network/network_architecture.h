@@ -47,7 +47,7 @@ struct WeightLayout {
 };
 
 // Feed-forward network with a parallel linear path, eq. (6) of Z. Lai, C.
-// Mylonas, S. Nagarajaiah and E. Chatzi (2021):
+// Mylonas, S. Nagarajaiah and E. Chatzi, J. Sound Vib. 508 (2021) 116196:
 //
 //   a_0 = q / s                          (elementwise)
 //   a_l = act(W_l a_{l-1} + b_l)         l = 1 ... L-1

@@ -155,8 +155,9 @@ struct AmbientScore {
   std::vector<std::string> groups;
   Vector information_left;
   double most_information_left = 1.0;
-  // Spectral densities of the channels, channels x frequencies, measured and
-  // modelled. `frequencies` are in cycles per unit of the model's time.
+  // One-sided spectral densities of the channels, channels x frequencies,
+  // measured and modelled, in the channel's unit squared times the model's unit
+  // of time. `frequencies` are in cycles per unit of the model's time.
   // Measured values are means over `lines` lines, without the response to
   // measured loads.
   Vector frequencies;
@@ -230,8 +231,8 @@ struct FrfScore {
   double highest_frequency = 0.0;
   Eigen::Index num_lines = 0;
   std::vector<std::string> pairs;
-  // Norm of the weighted error, as a share of that of the FRF, of the fitted
-  // and of the initial model.
+  // Norm of the weighted error divided by the norm of the weighted FRF, for the
+  // fitted model and for the initial one (`prior_errors`).
   Vector errors;
   Vector prior_errors;
   // The same of the part of the error that noise does not explain: it has a
@@ -242,7 +243,8 @@ struct FrfScore {
   // Root mean square of the error in multiples of the given noise; empty if it
   // was estimated.
   Vector noise_ratios;
-  // Probability that errors as little alike noise are chance, over all pairs.
+  // p-value of the test that all errors are noise, corrected for the number of
+  // pairs. A small value means that the model is incomplete.
   double probability = 1.0;
   // Logarithm of the likelihood, up to a constant of the data, and the memory
   // of the errors in lines: that of white noise is 1.

@@ -35,7 +35,7 @@ struct ChannelScore {
   double prior_nrmse = 0.0;  // nrmse of the initial model
   double sigma = 0.0;        // standard deviation of the noise
   // Share of the error's mean square that is uncorrelated from sample to
-  // sample, and so is noise and not motion. NaN: unknown. See NoiseShare.
+  // sample, and so is noise and not motion. NaN: unknown.
   double noise_share = kNaN;
   // Fraction of the scored samples inside the 95 % band that follows from
   // RecordScore::deviations. NaN: there is no band.
@@ -113,7 +113,9 @@ struct ModeScore {
 
 // Unknown force over the record in which it acts, at every integration step.
 // For a force that acts in all records, this is the first training record.
-// Vectors have one entry per step, in the model's units.
+// Vectors have one entry per step, in the model's units. A positive value
+// pushes in the positive direction of the DOF. For a network it is minus the
+// output.
 struct ForceEstimate {
   std::string name;
   int record = -1;  // index into the problem's records

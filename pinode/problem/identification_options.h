@@ -32,10 +32,10 @@ struct IdentificationProgress {
   double elapsed_seconds = 0.0;
   // Upper bound of the duration of the whole fit at the present speed.
   double expected_seconds = 0.0;
-  // Parameters, noise levels and decay at this iteration, and the stage,
-  // without starts. Identify can continue from this model. While annealed
-  // networks predict worse than the first fit, this is the model of the first
-  // fit.
+  // Model at this iteration: parameters, noise levels, decays and stage,
+  // without starts. Identify can continue from it. It is valid only during the
+  // callback. Null: there is none. While annealed networks predict worse than
+  // the first fit, this is the model of the first fit.
   const IdentifiedModel* model = nullptr;
 };
 
@@ -75,10 +75,9 @@ struct IdentificationOptions {
   // - kNone: no intervals. For fits of known noise that are only compared by
   //   their cost: they end without the last exact steps, and the scores of
   //   hold-outs and of the initial model are NaN. FitOnce alone takes it;
-  // - kAuto: kSandwich if residuals are autocorrelated, else kPlain. If an
-  // input
-  //   has noise, its errors are unknowns of the fit (FitWithInputNoise). If
-  //   that is impossible, they are included in the covariance.
+  // - kAuto: kSandwich if residuals are autocorrelated, else kPlain. Errors of
+  //   an input that has noise become unknowns of the fit (FitWithInputNoise).
+  //   If that is impossible, they are included in the covariance.
   // kPlain and kSandwich assume that the excitation is exact.
   Covariance covariance = Covariance::kAuto;
 
@@ -96,12 +95,13 @@ struct IdentificationOptions {
   // between a third and three times. Networks get other seeds.
   //
   // The default, 0, chooses the number:
-  // - 8 for a linear structure without given initial values that has at least
-  //   twice as many stiffness groups as a record has sensors, because other
-  //   stiffnesses may then fit as well (F. E. Udwadia, D. K. Sharma, SIAM J.
-  //   Appl. Math. 34 (1978) 104-118);
+  // - 8 for a linear structure with records alone and no start model, if it has
+  //   at least twice as many stiffness groups as a record has fitted channels.
+  //   Other stiffnesses may then fit as well (F. E. Udwadia, D. K. Sharma, SIAM
+  //   J. Appl. Math. 34 (1978) 104-118);
   // - 16 for frequencies without shapes;
-  // - else 1, up to 4 if a linear structure's first predicts no motion.
+  // - 1 otherwise. If this fit of a linear structure fails, or its error is
+  //   above 0.9, up to 3 more starts follow.
   int num_starts = 0;
   // Seed of the random starts, and number of threads.
   uint64_t seed = 1;

@@ -51,7 +51,8 @@ struct IdentificationRecord {
   std::string name;
   Role role = Role::kTrain;
   // Inputs of the dynamics, one row each in their order, with as many samples
-  // as the record. No rows if the dynamics have no inputs.
+  // as the record. Required also without inputs: it then has no rows, but the
+  // step and the number of samples.
   std::optional<Excitation> excitation;
   // Standard deviation of the noise of each input, in its unit. Empty: no
   // noise. It widens the intervals, see "Input noise" in
@@ -85,7 +86,8 @@ struct IdentificationRecord {
   // Returns the observations of the channels, in their order.
   std::vector<Observation> Observations() const;
 
-  // Number of samples, and time between them in the model's unit.
+  // Number of samples, and time between them in the model's unit. `excitation`
+  // must be set.
   Eigen::Index num_samples() const { return excitation->num_samples(); }
   double sampling_step() const { return excitation->step(); }
 };
@@ -142,7 +144,7 @@ struct IdentificationProblem {
   // problems need not check sizes and numbers again:
   //
   // - the mass matrix can be inverted;
-  // - parameters are tied to others that may be;
+  // - each tied parameter names an existing parameter that is not tied itself;
   // - at least one parameter is free; without a training record it is that of
   //   a group;
   // - there is a training record with a fitted channel, a mode, an ambient
@@ -150,7 +152,7 @@ struct IdentificationProblem {
   // - each record has at least two samples, finite excitations and chosen
   //   steps;
   // - sizes and indices of channels, sensors, starts and input noise fit the
-  //   dynamics, and no deviation is negative.
+  //   dynamics, and no standard deviation is negative.
   //
   // On failure returns false, and *error names the record, channel or mode, and
   // the expected value. Functions that take a problem call this first, and fail

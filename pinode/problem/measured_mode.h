@@ -100,7 +100,9 @@ struct ModalData {
 struct ModeMatch {
   int mode = -1;            // index by ascending frequency
   double frequency = kNaN;  // unit as measured; NaN if w^2 < 0
-  double mac = kNaN;        // at the measured DOFs; NaN without a shape
+  // MAC at the measured DOFs; NaN without a shape. For close modes: MAC of the
+  // measured shape with the span of all their partners (CloseModes).
+  double mac = kNaN;
 };
 
 // Value of a pair of modes below which they are not partners, see HavePartners.

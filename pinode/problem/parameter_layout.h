@@ -105,7 +105,8 @@ class ParameterLayout {
   Dependence DependenceOf(int index) const;
   // Tied parameters, by indices in `parameters`.
   const std::vector<ParameterTie>& ties() const { return ties_; }
-  // Returns the position by name; -1 also if there is no such parameter.
+  // Returns the position in `free` of the parameter with this name. -1: it is
+  // fixed, or there is none.
   int FreeIndex(const std::string& name) const;
 
   // Returns the initial values of all parameters, in their units. Tied ones

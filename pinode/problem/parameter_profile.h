@@ -15,7 +15,7 @@ enum class Determination {
   kDetermined,  // the 95 % interval has two finite ends
   kOneSided,    // it has one finite end
   kNotHere,     // it has none; more data may give it ends
-  kNotAtAll,    // the cost is constant: no such data can
+  kNotAtAll,    // the cost is constant; more data of this kind do not help
 };
 // Returns "determined", "one-sided", "not determined by these data" or "not
 // determined at all".

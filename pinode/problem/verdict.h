@@ -83,7 +83,7 @@ struct Explanation {
   // Kind for programs, one of "damping", "mass", "stiffness", "bound",
   // "nonlinear", "sensor_gain", "sensor_delay", "sensor_offset",
   // "sensors_exchanged", "excitation_delay", "excitation_scale",
-  // "clock_rate", "force_place".
+  // "clock_rate", "force_place", "mode" (a measured mode is left out).
   // Kinds of several unknowns are joined by "+".
   std::string kind;
   // Name of the DOF, group or sensor. Several are joined by "+". Empty: the

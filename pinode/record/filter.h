@@ -40,10 +40,8 @@ struct FilterOptions {
 //
 // The history is extended at both ends by its odd reflection about the end
 // sample, 2 x(0) - x(k). Each pass starts in the steady state of its first
-// sample (F. Gustafsson, "Determining the initial states in forward-backward
-// filtering", IEEE Trans. Signal Processing 44 (1996) 988). The reflection is
-// as long as in SciPy's sosfiltfilt, or as long as possible for a short
-// history.
+// sample, as SciPy's sosfiltfilt does. The reflection is as long as there, or
+// as long as possible for a short history.
 //
 // The result is a linear function of the history, also at its ends. Filtering
 // therefore commutes with sums, factors and derivatives with respect to

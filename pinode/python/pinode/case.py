@@ -276,7 +276,13 @@ class Case:
             noise of a channel is the given one, or 5 % of its standard deviation.
         undetermined: combinations of parameters that sensors and loads do not
             determine.
-        remarks, sizes, steps: sentences, sizes, and the integration steps per record.
+        remarks, assessment_remarks: sentences on the case, and on units and signs of its
+            records.
+        steps: integrator and steps per sample of each record.
+        num_free, num_residuals, num_starts: numbers of free parameters, residuals and
+            unknown initial states.
+        not_assessed: reason why there is no prediction. Without measurements or a
+            prediction there are only `steps` and `remarks` beside it.
 
         Arguments:
 
@@ -337,15 +343,18 @@ class Case:
         amplitude: amplitude of the load, in the model's units.
         points: number of points if the curve does not turn back, at least 2.
 
-        Returns arrays with an entry per point of the curve: `frequency_hz`; `channels` by
-        name, each with `half_range` (half of the range), `amplitude` and `phase` (rad) of the
-        load's own frequency, in the units of the first record's file; `largest_multiplier`,
-        above 1 where the response is not stable (1 without damping), NaN where it is not
-        known; `num_harmonics`, and `neglected`, the relative size of those that were left
-        out: above 1e-3 a point is of no use. `finished` is
-        False if the curve could not be followed to its end, and `remark` says why.
+        Returns a dictionary of arrays with an entry per point of the curve, and two more:
 
-        Raises Error if the load is unknown, or if the model has a network or follows the time.
+        frequency_hz: frequency of the load.
+        channels: by name, with `half_range` (half of the range), and `amplitude` and `phase`
+            (rad) at the load's frequency, in the units of the first record's file.
+        largest_multiplier: above 1 the response is not stable; 1 without damping; NaN:
+            unknown.
+        num_harmonics, neglected: harmonics in use, and relative size of the others. Points
+            with `neglected` above 1e-3 are of no use.
+        finished, remark: False if the curve could not be followed to its end, and the reason.
+
+        Raises pinode.Error if the load is unknown, or if the model has a network or follows the time.
         """
         return _pinode.sweep(self._handle, load, float(from_hz), float(to_hz),
                              float(amplitude), points)

@@ -26,7 +26,8 @@ class FrequencyResponses:
     values: complex, lines x responses x references.
     coherence: partial coherence of each value; with one force the ordinary one.
         Empty if there is one block alone.
-    variances: variance of each value from what the forces do not explain.
+    variances: variance E|error|^2 of each complex value, due to noise. Empty if there are
+        not more blocks than forces.
     num_blocks, num_averages: blocks, and how many independent ones they count as.
     decay_rate: one over the time constant of the exponential window, in 1 / s. The
         values are (i w)^d times the receptance at i w + decay_rate.

@@ -70,6 +70,9 @@ class Channel(Part):
     fit: False: the channel is predicted and scored, but not fitted.
     gain, offset, delay: corrections of the sensor. An Unknown is searched for, and a
         number is fixed.
+    sign: -1 if the sensor is mounted upside down. Default: 1.
+    scale, gauge_length, distance: see the table [[record.channel]] in the reference of
+        case files.
     """
 
     @takes(name=TEXT, values=either(VALUES, TEXT), quantity=TEXT, **_CHANNEL)
@@ -290,8 +293,8 @@ class Mode(Part):
     frequency_hz: frequency in Hz.
     frequency_sigma: its standard deviation in Hz; required if there are also records.
     shape: {dof: value}, or an array with its `dofs`. NaN or masked: not measured.
-    shape_sigma: standard deviation of every entry, in the unit of `shape`, or {dof: value}
-        with one of each.
+    shape_sigma: standard deviation of every entry, in the unit of `shape`, or
+        {dof: standard deviation}, one per DOF.
     name: name in reports.
     """
 

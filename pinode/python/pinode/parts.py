@@ -204,7 +204,8 @@ class FiniteElementModel(Part):
     mass, stiffness, exported_damping: sparse matrices of SciPy, full ones, or files.
     dofs: names of all DOFs, or the file that lists them.
     remove_dofs: names of DOFs that are fixed.
-    ground_directions: {direction: number}, such as {"x": 1}.
+    ground_directions: {name: direction number of the DOFs, 1 to 3}. With {"x": 1} the
+        motion "x" moves all DOFs "<node>.1".
     expected_frequencies: frequencies in Hz that the program has found. The case is
         refused if one differs by more than the fraction `frequency_tolerance`.
     reduction: such as {"method": "craig_bampton", "modes": 4}. Required above 100

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 
 
 class Fit(Outcome):
-    """An identified model."""
+    """Result of Case.identify: an identified model.
+
+    fit["k1"] is the value of a parameter, and fit.parameters["k1"] also has its interval.
+    Look at fit.verdict and fit.sentence first.
+    """
 
     @takes(threads=COUNT, overwrite=FLAG, resume=FLAG)
     def discover(

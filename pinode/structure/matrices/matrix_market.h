@@ -31,7 +31,8 @@ namespace pinode {
 // the same bits. A matrix that equals its transpose is written as its lower
 // triangle (symmetric), any other completely (general). The file is written
 // completely or not at all. Returns false, with *error, if an entry is not
-// finite or the file cannot be written.
+// finite or the file cannot be written. Aborts if the matrix has no rows or no
+// columns.
 [[nodiscard]] bool WriteMatrixMarket(const std::string& path,
                                      const SparseMatrix& matrix,
                                      std::string* error);

@@ -22,8 +22,8 @@ struct ModalMasses {
   Matrix effective;      // modes x directions; mass
   Vector moving;         // (M r + M_fs)' M^-1 (M r + M_fs), per direction
 
-  // Returns the effective masses in parts of the moving ones; NaN in directions
-  // that move nothing.
+  // Returns the effective masses as fractions of the moving ones; NaN in
+  // directions that move nothing.
   Matrix Shares() const;
 };
 

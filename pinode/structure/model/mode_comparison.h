@@ -24,8 +24,8 @@ struct ModePair {
   int updated_mode = -1;  // index of the partner; -1: none
   // Mode shapes, one entry per DOF, mass-normalised.
   Vector initial_shape, updated_shape;
-  // Effective mass of the updated mode, per direction of ground motion, in
-  // parts of the moving mass; NaN in directions that move nothing.
+  // Effective mass of the updated mode, per direction of ground motion, as a
+  // fraction of the moving mass; NaN in directions that move nothing.
   Vector updated_mass_shares;
 };
 

@@ -70,8 +70,7 @@ StructuralModel MakeStructuralModel(const Matrix& mass, const Matrix& damping,
 struct MatrixGroup {
   enum class Target { kMass, kDamping, kStiffness };
 
-  // Name, unique among the groups. It is also the name of the unknown alpha,
-  // which is dimensionless.
+  // Name, unique among the groups. It is also the name of the unknown alpha.
   std::string name;
   Target target = Target::kStiffness;
   // Matrix of the group, n x n, symmetric, in the units of its target.

@@ -42,11 +42,11 @@ struct ReductionOptions {
   // Names of the DOFs that stay coordinates, such as those of sensors, forces
   // and interfaces. At least one, except for kModal.
   std::vector<std::string> kept_dofs;
-  // Number of modes: those added to the kept DOFs (kCraigBampton), or all modes
-  // (kModal). Other methods ignore it.
+  // Number of modes added to the kept DOFs (kCraigBampton), or of all modes
+  // (kModal, at least 1). It must be 0 for kGuyan and kSerep.
   int num_modes = 0;
   // Number of the lowest modes of the whole model that are compared with the
-  // reduced model.
+  // reduced model. At least 1.
   int num_compared_modes = 6;
 };
 
@@ -82,8 +82,8 @@ struct ReducedModel {
   std::vector<std::string> notes;
 };
 
-// Reduces a model, which must be valid. Returns false, with *error and *reduced
-// unchanged,
+// Reduces a model, which must be valid. On failure returns false, sets *error,
+// and leaves *reduced unchanged. It fails
 //
 // - if a kept DOF does not exist or is named twice;
 // - if the options ask for no coordinates or for too many;

@@ -61,9 +61,9 @@ struct SparseModes {
 // left, are not counted. There the iteration is repeated from another random
 // start with all modes found left out, and must find no mode below the last.
 //
-// Returns false, with *error and *modes unchanged, if a motion has neither mass
-// nor stiffness, or if the precision does not suffice. Also returns false if a
-// large model would need the dense solver.
+// On failure returns false, sets *error, and leaves *modes unchanged. It fails
+// if a motion has neither mass nor stiffness, if the precision does not
+// suffice, or if a large model would need the dense solver.
 [[nodiscard]] bool ComputeLowestModes(const SparseMatrix& mass,
                                       const SparseMatrix& stiffness,
                                       int num_modes, SparseModes* modes,

@@ -42,8 +42,9 @@ std::vector<MeasuredChannel> MakeChannels(const std::string& prefix,
 std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 
 // Makes a problem of the structure `model` with these inputs and terms, without
-// records. Returns false, with *error and *problem unchanged, if the model is
-// not valid, or if an input or a term does not fit it.
+// records. On failure returns false, sets *error, and leaves *problem
+// unchanged. It fails if the model is not valid, or if an input or a term does
+// not fit it.
 [[nodiscard]] bool MakeProblem(const StructuralModel& model,
                                const std::vector<InputSpec>& inputs,
                                const StructureTerms& terms,
@@ -52,9 +53,9 @@ std::vector<InputSpec> GroundMotion(const StructuralModel& model);
 
 // Adds a training record that begins at rest. `inputs` has one row per input of
 // the dynamics and one column per sample, in the model's units. `step` is the
-// time between samples in the model's unit. Returns false, with *error and
-// *problem unchanged, if sizes or numbers are wrong. PrepareProblem checks the
-// channels.
+// time between samples in the model's unit. On failure returns false, sets
+// *error, and leaves *problem unchanged. It fails if sizes or numbers are
+// wrong. PrepareProblem checks the channels.
 [[nodiscard]] bool AddRecord(const std::string& name, double step,
                              const Matrix& inputs, Interpolation interpolation,
                              const std::vector<MeasuredChannel>& channels,

@@ -78,7 +78,8 @@ Matrix StateMatrixAtRest(const StructuralDynamics& dynamics,
 // Returns false, with *error, if steps cannot be chosen or are unstable. Also
 // returns false if a record requires the exact solution of nonlinear dynamics,
 // or exponential steps that are not suitable. *failed is then the index of the
-// record.
+// record, and records before it may have new steps: PrepareProblem restores
+// them. No pointer may be null.
 [[nodiscard]] bool SetSubsteps(IdentificationProblem* problem,
                                std::vector<SubstepChoice>* choices, int* failed,
                                std::string* error);

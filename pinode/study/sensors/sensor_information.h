@@ -16,8 +16,9 @@ namespace pinode {
 // noise is that of other sensors of its quantity, see LinearizeSensors.
 struct CandidateSensor {
   Observation observation;
-  double sigma = 0.0;        // standard deviation of the noise, model's unit
-  double noise_share = 0.0;  // or sigma as a fraction of RMS
+  double sigma = 0.0;  // standard deviation of the noise, model's unit
+  // Or sigma as a fraction of the RMS of the sensor's values. 0: not given.
+  double noise_share = 0.0;
 };
 
 // Sensor that the problem already has.
