@@ -226,8 +226,19 @@ class HeaderFinder {
     return cells;
   }
 
+  // True for the names of columns with one of a time among them. A piece in
+  // brackets is the unit of another.
+  static bool AreNamesWithTime(const std::vector<std::string>& cells) {
+    return HasNameOfTime(PlainNames(cells)) &&
+           std::none_of(cells.begin(), cells.end(),
+                        [](const std::string& cell) {
+                          return cell.front() == '(' || cell.front() == '[';
+                        });
+  }
+
   // Splits a line above the rows. Above columns between blanks, names with
-  // blanks stand two or more of them apart.
+  // blanks stand two or more of them apart. Titles and ragged names may do so
+  // too: only names with a time, and units, are split there.
   std::vector<std::string> CellsAbove(const RowRun& run,
                                       std::string_view line) {
     std::vector<std::string> cells = Cells(line, run.delimiter);
@@ -239,7 +250,9 @@ class HeaderFinder {
     for (std::string& cell : Cells(wide, '\t')) {
       if (!cell.empty()) apart.push_back(std::move(cell));
     }
-    return apart.size() == n ? apart : cells;
+    return apart.size() == n && (AreNamesWithTime(apart) || IsUnitRow(apart))
+               ? apart
+               : cells;
   }
 
   // Brings a header line to the number of cells of the rows, if it can be one.

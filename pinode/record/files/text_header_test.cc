@@ -110,10 +110,18 @@ TEST(TextHeaderTest, NamesWithBlanksBetweenBlanks) {
   EXPECT_EQ(table.values(2, 1), -0.1);
   EXPECT_THAT(ParseWithHeader("t   a   b\n" + rows).columns,
               ElementsAre("t", "a", "b"));
-  Table unused;
-  std::string error;
-  EXPECT_FALSE(ParseTextTable("Time (s) Acc 1 (g)  Acc 2 (g)\n" + rows, "r.txt",
-                              {}, {}, &unused, &error));
+  EXPECT_THAT(ParseWithHeader("Time (s)  Acc X  Acc Y\n" + rows).columns,
+              ElementsAre("Time (s)", "Acc X", "Acc Y"));
+  // As many pieces as columns, but the names of others, or a title.
+  for (const char* line :
+       {"Time (s) Acc 1 (g)  Acc 2 (g)", "Time Acc X  Acc Y  (g)",
+        "Time  Acc X Acc Y  (g)", "Bridge test  north span  channel list"}) {
+    Table unused;
+    std::string error;
+    EXPECT_FALSE(ParseTextTable(std::string(line) + "\n" + rows, "r.txt", {},
+                                {}, &unused, &error))
+        << line;
+  }
 }
 
 // The name of row numbers is no mark of a comment alone.
