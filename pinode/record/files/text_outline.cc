@@ -143,6 +143,11 @@ double SecondsOf(const TextColumn& column) {
              : 0.0;
 }
 
+// True if no unit is stated that a time does not have: "Real-time disp [mm]".
+bool MayBeTime(const TextColumn& column) {
+  return column.unit.empty() || SecondsOf(column) > 0.0;
+}
+
 // True if two columns of numbers are other times. Counts since 1970 and elapsed
 // times may be one clock, so they are not compared.
 bool AreOtherTimes(Vector first, double first_seconds, Vector second,
@@ -330,7 +335,10 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     const bool is_number = column.kind == CellKind::kNumber;
     bool is_channel = is_number;
     double step = 0.0;
-    if (is_number && RiseEvenly(rows.col(place), &step)) {
+    const bool may_be_time = MayBeTime(column);
+    // Row numbers may be "Sample [1]".
+    if (is_number && (may_be_time || column.unit == "1") &&
+        RiseEvenly(rows.col(place), &step)) {
       const bool whole = std::floor(rows(1, place)) == rows(1, place) &&
                          std::floor(rows(0, place)) == rows(0, place);
       // Ticks since 1970 are told by their size.
@@ -343,7 +351,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
                           !IsHour(column.short_name, layout.columns));
         if (place == first && !is_time) ++first;
       }
-      if (place == first || are_ticks) {
+      if ((place == first && may_be_time) || are_ticks) {
         is_channel = false;
         const bool is_known = !whole || are_ticks;
         if (is_known && named < 0) named = place;
@@ -362,7 +370,7 @@ TextOutline OutlineOf(const std::string& text, const TextLayout& layout,
     }
     // Another form of the time, such as "seconds_elapsed" beside ticks.
     if (is_number && is_channel && HasWordOfTime(column.short_name) &&
-        RiseEvenly(rows.col(place), &step)) {
+        may_be_time && RiseEvenly(rows.col(place), &step)) {
       is_channel = false;
       if (named < 0) named = place;
     }
@@ -417,9 +425,10 @@ std::vector<std::string> TextOutline::UnusedTimes(
     const bool is_part = has(time_parts);
     const std::string& name = columns[i].short_name;
     const bool is_number = columns[i].kind == CellKind::kNumber;
-    const bool is_named = IsNameOfTime(name) ||
-                          (is_number && HasWordOfTime(name)) ||
-                          !UnitOfClockPart(name).empty() || has(repeated_parts);
+    const bool is_named =
+        IsNameOfTime(name) ||
+        (is_number && HasWordOfTime(name) && MayBeTime(columns[i])) ||
+        !UnitOfClockPart(name).empty() || has(repeated_parts);
     if (is_part ? !are_parts_used : is_named) names.push_back(columns[i].name);
   }
   return names;

@@ -144,6 +144,36 @@ TEST(TextOutlineTest, SecondFormOfTheTime) {
   EXPECT_THAT(OutlineOf(late).is_channel, ElementsAre(true, false, true));
 }
 
+// A displacement in real time is none, though it rises in the first rows.
+TEST(TextOutlineTest, OtherUnitsThanThoseOfTimes) {
+  for (const double step : {0.25, 1.0}) {
+    std::string behind = "t [s];Real-time disp [mm];a [g]\n";
+    std::string before = "Real-time disp [mm];t [s];a [g]\n";
+    std::string alone = "a [g];Real-time disp [mm]\n";
+    std::string seconds = "t [s];Sample time [ms];a [g]\n";
+    std::string number = "Sample [1];t [s];a [g]\n";
+    for (int i = 0; i < 8; ++i) {
+      const std::string time = "0.0" + std::to_string(i) + ";";
+      const std::string rising = std::to_string(step * i);
+      const std::string value = std::to_string(i * i % 5);
+      behind += time + rising + ";" + value + "\n";
+      before += rising + ";" + time + value + "\n";
+      alone += value + ";" + rising + "\n";
+      seconds += time + rising + ";" + value + "\n";
+      number += std::to_string(i) + ";" + time + value + "\n";
+    }
+    EXPECT_EQ(OutlineOf(behind).time_column, 0);
+    EXPECT_THAT(OutlineOf(behind).is_channel, ElementsAre(false, true, true));
+    EXPECT_THAT(OutlineOf(behind).UnusedTimes("t"), IsEmpty());
+    EXPECT_EQ(OutlineOf(before).time_column, 1);
+    EXPECT_THAT(OutlineOf(before).is_channel, ElementsAre(true, false, true));
+    EXPECT_EQ(OutlineOf(alone).time_column, -1);
+    EXPECT_THAT(OutlineOf(alone).is_channel, ElementsAre(true, true));
+    EXPECT_THAT(OutlineOf(seconds).is_channel, ElementsAre(false, false, true));
+    EXPECT_THAT(OutlineOf(number).is_channel, ElementsAre(false, false, true));
+  }
+}
+
 // Years, days, hours and minutes beside seconds are parts of a clock.
 TEST(TextOutlineTest, PartsOfAClockAreNoChannels) {
   const TextOutline days = OutlineOf(
