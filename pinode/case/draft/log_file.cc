@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pinode/base/arrays/array_files.h"
 #include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
@@ -149,6 +150,14 @@ bool FindBinaryColumns(const std::string& path, const LogOptions& options,
   return true;
 }
 
+std::string ClocksDiffer(const std::string& path, const std::string& time,
+                         const std::string& other) {
+  return path + ": the times of '" + time + "' and '" + other +
+         "' differ, and a column may belong to either. Leave out one of them "
+         "and its columns, by --ignore=" +
+         other + ",COLUMN,...";
+}
+
 // Makes the clock that is not ignored the time. Fails if there are two.
 bool ChooseClock(const LogOptions& options, const std::string& path,
                  TextOutline* outline, std::string* error) {
@@ -164,14 +173,52 @@ bool ChooseClock(const LogOptions& options, const std::string& path,
                               }),
                clocks.end());
   if (clocks.size() > 1) {
-    *error = path + ": the times of '" + column(clocks[0]).name + "' and '" +
-             column(clocks[1]).name +
-             "' differ, and a column may belong to either. Leave out one of "
-             "them and its columns, by --ignore=" +
-             column(clocks[1]).name + ",COLUMN,...";
+    *error = ClocksDiffer(path, column(clocks[0]).name, column(clocks[1]).name);
     return false;
   }
   if (!clocks.empty()) outline->time_column = clocks[0];
+  return true;
+}
+
+// Finds the times of a file that is no text, which are no channels: erases them
+// from the columns.
+bool FindBinaryTimes(const LogOptions& options, LogFile* log,
+                     std::vector<std::string>* columns, std::string* error) {
+  const bool is_array = IsArrayFile(log->path);
+  std::vector<std::string> named;
+  // Reading it says what is wrong with a name that is none of a column.
+  if (!options.time.empty()) named.push_back(options.time);
+  for (const std::string& name : *columns) {
+    if (name != options.time && IsTimeOfArrays(name)) named.push_back(name);
+  }
+  if (named.empty()) return true;
+  // Other files than those of arrays have their own time, "t".
+  ArrayTimes times;
+  if (is_array || named != std::vector<std::string>{"t"}) {
+    Table table;
+    if (!ReadTable(log->path, named, options.format, &table, error)) {
+      return false;
+    }
+    times = FindArrayTimes(table, options.time);
+  } else {
+    times.time = "t";
+  }
+  if (is_array && !times.other_clock.empty()) {
+    *error = ClocksDiffer(log->path, times.time, times.other_clock);
+    return false;
+  }
+  log->unused_times = times.others;
+  const auto erase = [columns](const std::string& name) {
+    columns->erase(std::remove(columns->begin(), columns->end(), name),
+                   columns->end());
+  };
+  erase(times.time);
+  for (const std::string& other : times.others) erase(other);
+  if (options.sampling_rate_hz == 0.0) {
+    log->time_column = times.time;
+  } else if (!times.time.empty() && (is_array || times.time != "t")) {
+    log->unused_times.insert(log->unused_times.begin(), times.time);
+  }
   return true;
 }
 
@@ -181,21 +228,10 @@ bool ReadBinaryLog(const LogOptions& options, LogFile* log,
   std::vector<std::string> columns;
   if (!FindBinaryColumns(log->path, options, &columns, error)) return false;
   const bool needs_time = options.sampling_rate_hz == 0.0;
-  const auto given = std::find(columns.begin(), columns.end(), options.time);
-  log->time_column =
-      given == columns.end() ? TimeOfArrays(columns) : options.time;
-  columns.erase(std::remove(columns.begin(), columns.end(), log->time_column),
-                columns.end());
-  // Other times of a file with several clocks are no channels.
-  const auto others = std::stable_partition(
-      columns.begin(), columns.end(),
-      [](const std::string& name) { return !IsTimeOfArrays(name); });
-  log->unused_times.assign(others, columns.end());
-  columns.erase(others, columns.end());
+  if (!FindBinaryTimes(options, log, &columns, error)) return false;
   if (needs_time && log->time_column.empty()) {
     return AskForTime(log->path, question);
   }
-  if (!needs_time) log->time_column.clear();
   if (columns.empty()) {
     *error = log->path +
              ": there is no column of numbers except the time, expected "

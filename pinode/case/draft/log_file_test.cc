@@ -98,6 +98,81 @@ TEST(LogFileTest, TimeOfAStructure) {
     EXPECT_NEAR(log.step, rate > 0.0 ? 0.02 : 0.01, 1e-12);
     ASSERT_EQ(log.columns.size(), 1u);
     EXPECT_EQ(log.columns[0].name, "data.acc");
+    EXPECT_EQ(log.unused_times.size(), rate > 0.0 ? 1u : 0u);
+  }
+  // A time that is none of the file's.
+  LogFile log;
+  DraftQuestion question;
+  LogOptions options;
+  options.time = "tt";
+  EXPECT_FALSE(ReadLogFile(path, options, &log, &question, &error));
+  EXPECT_THAT(error, HasSubstr("no array is called 'tt'"));
+}
+
+// Writes two structures, the second one's times in steps of `step`.
+std::string WriteTwoClocks(const TemporaryFolder& folder, double step) {
+  const std::string path = folder.Path("clocks.mat");
+  const Vector times = Vector::LinSpaced(100, 0.0, 0.99);
+  MatlabWriter writer(path);
+  writer.AddMatrix("t", times);
+  writer.AddMatrix("x", times.array().cos().matrix());
+  writer.AddStructure("b", {{"t", Vector(times * (step / 0.01)), {}},
+                            {"x", times.array().sin().matrix(), {}}});
+  std::string error;
+  EXPECT_TRUE(writer.Close(&error)) << error;
+  return path;
+}
+
+TEST(LogFileTest, TwoClocksOfArrays) {
+  const TemporaryFolder folder;
+  std::string path = WriteTwoClocks(folder, 0.005);
+  std::string error;
+  for (const double rate : {0.0, 100.0}) {
+    LogFile log;
+    DraftQuestion question;
+    LogOptions options;
+    options.sampling_rate_hz = rate;
+    EXPECT_FALSE(ReadLogFile(path, options, &log, &question, &error));
+    EXPECT_THAT(error, HasSubstr("the times of 't' and 'b.t' differ"));
+    EXPECT_THAT(error, HasSubstr("--ignore=b.t"));
+  }
+  LogFile log;
+  DraftQuestion question;
+  LogOptions options;
+  options.ignored = {"t", "x"};
+  ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+  EXPECT_EQ(log.time_column, "b.t");
+  EXPECT_NEAR(log.step, 0.005, 1e-12);
+  EXPECT_THAT(log.ColumnNames(), ElementsAre("b.x"));
+  // One clock twice.
+  path = WriteTwoClocks(folder, 0.01);
+  ASSERT_TRUE(ReadLogFile(path, {}, &log, &question, &error)) << error;
+  EXPECT_EQ(log.time_column, "t");
+  EXPECT_THAT(log.ColumnNames(), ElementsAre("x", "b.x"));
+  EXPECT_THAT(log.unused_times, ElementsAre("b.t"));
+}
+
+// A transverse sensor beside others is no time, with a rate or without.
+TEST(LogFileTest, SensorsCalledT) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("sensors.mat");
+  const Vector times = Vector::LinSpaced(100, 0.0, 0.99);
+  MatlabWriter writer(path);
+  writer.AddMatrix("time", times);
+  writer.AddStructure("acc", {{"L", times.array().cos().matrix(), {}},
+                              {"T", times.array().sin().matrix(), {}},
+                              {"t", (3.0 * times).array().sin().matrix(), {}}});
+  std::string error;
+  ASSERT_TRUE(writer.Close(&error)) << error;
+  for (const double rate : {0.0, 100.0}) {
+    LogFile log;
+    DraftQuestion question;
+    LogOptions options;
+    options.sampling_rate_hz = rate;
+    ASSERT_TRUE(ReadLogFile(path, options, &log, &question, &error)) << error;
+    EXPECT_THAT(log.ColumnNames(), ElementsAre("acc.L", "acc.T", "acc.t"));
+    EXPECT_EQ(log.time_column, rate > 0.0 ? "" : "time");
+    EXPECT_EQ(Join(log.unused_times, ","), rate > 0.0 ? "time" : "");
   }
 }
 

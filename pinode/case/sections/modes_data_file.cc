@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "pinode/base/arrays/array_files.h"
 #include "pinode/base/file.h"
+#include "pinode/base/file_text.h"
 #include "pinode/base/strings.h"
 #include "pinode/base/unit_names.h"
 #include "pinode/case/text/toml_value.h"
@@ -19,15 +21,15 @@ namespace pinode {
 namespace {
 
 // Returns true for "t", "time", and these with a unit behind them: "Time [s]".
+// "T" may be a temperature or a direction.
 bool IsNameOfTime(const std::string& name) {
   size_t end = 0;
   std::string word;
   while (end < name.size() &&
          std::isalpha(static_cast<unsigned char>(name[end])) != 0) {
-    word += static_cast<char>(
-        std::tolower(static_cast<unsigned char>(name[end++])));
+    word += name[end++];
   }
-  if (word != "t" && word != "time") return false;
+  if (word != "t" && LowerCase(word) != "time") return false;
   return end == name.size() ||
          std::string(" _([/").find(name[end]) != std::string::npos;
 }
@@ -162,7 +164,8 @@ class DataFileReader {
       Table table;
       std::string missing;
       for (const char* name : {"t", "time"}) {
-        if (ReadTable(file_.path, {name}, FormatWithTime(), &table, &missing)) {
+        if (ReadTable(file_.path, {name}, FormatWithTime(), &table, &missing) &&
+            FindArrayTimes(table, "").time == name) {
           time_ = name;
           return true;
         }
@@ -170,7 +173,7 @@ class DataFileReader {
       // The reader's error message applies if the file is no table.
       if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
         return false;
-      time_ = TimeOfArrays(table.columns);
+      time_ = FindArrayTimes(table, "").time;
       if (!time_.empty()) return true;
     }
     return Fail(
@@ -182,14 +185,56 @@ class DataFileReader {
     return outline_.columns[static_cast<size_t>(column)].name;
   }
 
+  bool FailOfClocks(const std::string& time, const std::string& other) {
+    return Fail("the times of '" + time + "' and '" + other +
+                "' differ, and a column may belong to either; leave out one "
+                "of them and its columns");
+  }
+
+  void RemarkOnTimes(const std::vector<std::string>& times) {
+    if (times.empty()) return;
+    remarks_.push_back("Left out, because their names are those of times: " +
+                       Join(times, ", ") + ".");
+  }
+
+  // Finds the channels of a file that is no text.
+  bool FindArrayColumns() {
+    Table table;
+    if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
+      return false;
+    const ArrayTimes times = FindArrayTimes(table, time_);
+    // Other files than those of arrays have their own time, "t".
+    const bool is_array = IsArrayFile(file_.path);
+    if (is_array && !times.other_clock.empty()) {
+      return FailOfClocks(times.time, times.other_clock);
+    }
+    std::vector<std::string> left_out;
+    for (size_t i = 0; i < table.columns.size(); ++i) {
+      const std::string& name = table.columns[i];
+      if (name == time_) continue;
+      const bool is_time =
+          name == times.time ||
+          std::find(times.others.begin(), times.others.end(), name) !=
+              times.others.end() ||
+          (IsNameOfTime(name) &&
+           IsUniformRamp(table.values.col(static_cast<Eigen::Index>(i))));
+      if (!is_time) {
+        columns_.push_back(name);
+      } else if (is_array || name != "t") {
+        left_out.push_back(name);
+      }
+    }
+    RemarkOnTimes(left_out);
+    return true;
+  }
+
   bool FindColumns() {
     if (columns_.size() != 1 || columns_[0] != "all") return true;
     columns_.clear();
+    if (!IsTextFile(file_.path, file_.format)) return FindArrayColumns();
     if (!outline_.other_clocks.empty()) {
-      return Fail("the times of '" + NameOf(outline_.time_column) + "' and '" +
-                  NameOf(outline_.other_clocks.front()) +
-                  "' differ, and a column may belong to either; expected the "
-                  "time and the columns of one of them");
+      return FailOfClocks(NameOf(outline_.time_column),
+                          NameOf(outline_.other_clocks.front()));
     }
     std::vector<std::string> texts;
     const std::vector<std::string> times = outline_.UnusedTimes(time_);
@@ -205,26 +250,8 @@ class DataFileReader {
       remarks_.push_back(
           "Left out, because they contain text: " + Join(texts, ", ") + ".");
     }
-    if (!times.empty()) {
-      remarks_.push_back("Left out, because their names are those of times: " +
-                         Join(times, ", ") + ".");
-    }
-    if (IsTextFile(file_.path, file_.format)) {
-      return !columns_.empty() || Fail("no column has numbers of a channel");
-    }
-    Table table;
-    if (!ReadTable(file_.path, {}, FormatWithTime(), &table, error_))
-      return false;
-    for (size_t i = 0; i < table.columns.size(); ++i) {
-      const std::string& name = table.columns[i];
-      if (name == time_) continue;
-      if ((IsNameOfTime(name) || IsTimeOfArrays(name)) &&
-          IsUniformRamp(table.values.col(static_cast<Eigen::Index>(i)))) {
-        continue;
-      }
-      columns_.push_back(name);
-    }
-    return true;
+    RemarkOnTimes(times);
+    return !columns_.empty() || Fail("no column has numbers of a channel");
   }
 
   static Dimension DimensionOfName(const std::string& quantity) {

@@ -22,6 +22,7 @@
 namespace pinode {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -432,6 +433,42 @@ TEST_F(ModesSectionTest, DataFilesThatAreNoText) {
     ASSERT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
     ASSERT_THAT(c.records, SizeIs(1));
     EXPECT_EQ(c.records[0].samples, record_.samples) << rate;
+  }
+}
+
+// Channels of two clocks in one file of arrays, and a sensor called T.
+TEST_F(ModesSectionTest, ArraysOfTwoClocks) {
+  const Vector times = Vector::LinSpaced(
+      record_.samples.cols(), 0.0,
+      record_.sampling_step * static_cast<double>(record_.samples.cols() - 1));
+  ModesDataFile file;
+  file.path = folder_.Path("clocks.mat");
+  std::string error;
+  for (const double factor : {0.5, 1.0}) {
+    MatlabWriter writer(file.path);
+    writer.AddMatrix("t", times);
+    writer.AddMatrix("T", record_.samples.row(0).transpose());
+    writer.AddStructure(
+        "b", {{"t", Vector(factor * times), {}},
+              {"x", Vector(record_.samples.row(1).transpose()), {}}});
+    ASSERT_TRUE(writer.Close(&error)) << error;
+    for (const double rate : {0.0, 1.0 / record_.sampling_step}) {
+      file.sampling_rate_hz = rate;
+      file.columns = {"all"};
+      ModesCase c;
+      ASSERT_EQ(ReadModesDataFile(file, &c, &error), factor == 1.0) << error;
+      if (factor < 1.0) {
+        EXPECT_THAT(error, HasSubstr("the times of 't' and 'b.t' differ"));
+        file.columns = {"T"};
+        EXPECT_TRUE(ReadModesDataFile(file, &c, &error)) << error;
+        continue;
+      }
+      ASSERT_THAT(c.records, SizeIs(1));
+      EXPECT_EQ(c.records[0].samples, record_.samples);
+      EXPECT_THAT(c.remarks,
+                  Contains(HasSubstr(rate > 0.0 ? "of times: t, b.t."
+                                                : "of times: b.t.")));
+    }
   }
 }
 

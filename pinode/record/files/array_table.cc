@@ -1,7 +1,9 @@
 #include "pinode/record/files/array_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -108,6 +110,70 @@ const double* FindColumn(const std::vector<NamedArray>& arrays,
   return found->values.col(column.number - 1).data();
 }
 
+// True for numbers that rise from row to row. Rounded times may repeat, if they
+// lie no farther from even ones than their resolution.
+bool Rises(const Eigen::Ref<const Vector>& values) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (!std::isnan(values[i])) rows.push_back(i);
+  }
+  if (rows.size() < 2) return false;
+  double resolution = std::numeric_limits<double>::infinity();
+  bool repeats = false;
+  for (size_t i = 1; i < rows.size(); ++i) {
+    const double rise = values[rows[i]] - values[rows[i - 1]];
+    if (rise < 0.0) return false;
+    if (rise > 0.0) {
+      resolution = std::min(resolution, rise);
+    } else {
+      repeats = true;
+    }
+  }
+  if (!repeats) return true;
+  const double first = values[rows.front()];
+  const double step = (values[rows.back()] - first) /
+                      static_cast<double>(rows.back() - rows.front());
+  return step > 0.0 &&
+         std::all_of(rows.begin(), rows.end(), [&](Eigen::Index row) {
+           const double even =
+               first + step * static_cast<double>(row - rows.front());
+           return std::abs(values[row] - even) <= resolution;
+         });
+}
+
+// True if two columns of times are none of one clock. Seconds since 1970 and
+// elapsed ones may be of one, so only their steps are compared.
+bool AreOtherClocks(const Eigen::Ref<const Vector>& first,
+                    const Eigen::Ref<const Vector>& second) {
+  // Share of a step that roundings may differ by.
+  constexpr double kOneClock = 0.02;
+  // Seconds since 1970 are more, elapsed ones less: 3 years.
+  constexpr double kLeastDate = 1e8;
+  Eigen::Index begin = -1;
+  Eigen::Index end = -1;
+  for (Eigen::Index i = 0; i < first.size(); ++i) {
+    if (std::isnan(first[i] + second[i])) continue;
+    if (begin < 0) begin = i;
+    end = i;
+  }
+  if (end == begin) return true;
+  const double step =
+      (first[end] - first[begin]) / static_cast<double>(end - begin);
+  const bool is_date = first[begin] > kLeastDate;
+  const double offset = is_date == (second[begin] > kLeastDate)
+                            ? 0.0
+                            : second[begin] - first[begin];
+  for (Eigen::Index i = begin; i <= end; ++i) {
+    // Seconds since 1970 have 16 digits.
+    const double rounding =
+        1e-15 * std::max(std::abs(first[i]), std::abs(second[i]));
+    if (std::abs(second[i] - first[i] - offset) > kOneClock * step + rounding) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 bool ReadArrayTable(const std::string& path,
@@ -171,22 +237,41 @@ bool ReadArrayTable(const std::string& path,
 }
 
 bool IsTimeOfArrays(const std::string& name) {
-  const size_t part = name.find_last_of("./") + 1;  // 0 without one
-  const std::string lower = LowerCase(name.substr(part));
-  return lower == "t" || lower == "time";
+  const std::string part = name.substr(name.find_last_of("./") + 1);
+  return part == "t" || LowerCase(part) == "time";
 }
 
-std::string TimeOfArrays(const std::vector<std::string>& columns) {
-  for (const char* name : {"t", "time"}) {
-    if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
-      return name;
+ArrayTimes FindArrayTimes(const Table& table, const std::string& given) {
+  ArrayTimes times;
+  const auto values = [&table](const std::string& name) {
+    return table.values.col(table.FindColumn(name));
+  };
+  for (const std::string& name : table.columns) {
+    if (name != given && IsTimeOfArrays(name) && Rises(values(name))) {
+      times.others.push_back(name);
     }
   }
-  const auto found =
-      std::find_if(columns.begin(), columns.end(), IsTimeOfArrays);
-  return std::count_if(columns.begin(), columns.end(), IsTimeOfArrays) == 1
-             ? *found
-             : "";
+  times.time = given;
+  if (given.empty() && !times.others.empty()) {
+    auto chosen = times.others.begin();
+    for (const char* name : {"time", "t"}) {
+      const auto found =
+          std::find(times.others.begin(), times.others.end(), name);
+      if (found != times.others.end()) chosen = found;
+    }
+    times.time = *chosen;
+    times.others.erase(chosen);
+  }
+  if (table.FindColumn(times.time) < 0 || !Rises(values(times.time))) {
+    return times;
+  }
+  for (const std::string& other : times.others) {
+    if (AreOtherClocks(values(times.time), values(other))) {
+      times.other_clock = other;
+      break;
+    }
+  }
+  return times;
 }
 
 bool IsTextFile(const std::string& path, const TextFormat& format) {

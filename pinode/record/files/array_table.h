@@ -34,12 +34,24 @@ namespace pinode {
                              std::string* error);
 
 // True for the name of a time: "t" or "time", alone or as the last part, as in
-// "data.time" and "setup1/t".
+// "data.time" and "setup1/t". "T" may be a temperature or a direction.
 bool IsTimeOfArrays(const std::string& name);
 
-// Returns the column that is the time by its name: "t", "time", or the only one
-// whose last part is called so. Empty: there is none.
-std::string TimeOfArrays(const std::vector<std::string>& columns);
+// Times among the columns of a table: those called so (IsTimeOfArrays) whose
+// numbers rise from row to row. NaN is passed over.
+struct ArrayTimes {
+  // The time; empty: there is none.
+  std::string time;
+  // Further times, which are no channels.
+  std::vector<std::string> others;
+  // The first of `others` that is another clock than `time`, as of a second
+  // logger; empty: none. Channels may then belong to either.
+  std::string other_clock;
+};
+
+// Finds the times of a table. The time is `given`, if that is not empty, else
+// "t", else "time", else the first one.
+ArrayTimes FindArrayTimes(const Table& table, const std::string& given);
 
 // True if ReadTable takes the file for text in columns. A format with header
 // lines or a delimiter makes an LVM file one.

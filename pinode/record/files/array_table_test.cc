@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -12,6 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::string Sample(const std::string& name) {
   return std::string(PINODE_SOURCE_DIR) + "/tests/fuzz/corpus/arrays/" + name;
@@ -53,16 +55,81 @@ TEST(ArrayTableTest, AllColumnsOfTheLongestArrays) {
   EXPECT_TRUE(std::isnan(table.values(2, 0)));
 }
 
+TEST(ArrayTableTest, NamesOfTimes) {
+  for (const char* name : {"t", "time", "Time", "run(1).time", "setup1/t"}) {
+    EXPECT_TRUE(IsTimeOfArrays(name)) << name;
+  }
+  // Transverse, or a temperature.
+  for (const char* name : {"T", "acc.T", "time.acc", "data.t2", "rate"}) {
+    EXPECT_FALSE(IsTimeOfArrays(name)) << name;
+  }
+}
+
+// A table of rising times of these names.
+Table TableOfTimes(const std::vector<std::string>& names) {
+  Table table;
+  table.columns = names;
+  table.values = Vector::LinSpaced(11, 0.0, 0.1)
+                     .replicate(1, static_cast<Eigen::Index>(names.size()));
+  return table;
+}
+
 TEST(ArrayTableTest, TimesOfStructures) {
-  EXPECT_EQ(TimeOfArrays({"a", "data.time", "t"}), "t");
-  EXPECT_EQ(TimeOfArrays({"time", "data.t"}), "time");
-  EXPECT_EQ(TimeOfArrays({"data.acc[1]", "data.Time"}), "data.Time");
-  EXPECT_EQ(TimeOfArrays({"setup1/t", "setup1/acc"}), "setup1/t");
-  // Several clocks, and names that are none.
-  EXPECT_EQ(TimeOfArrays({"run(1).time", "run(2).time"}), "");
-  EXPECT_EQ(TimeOfArrays({"data.t2", "time.acc", "data.rate"}), "");
-  EXPECT_TRUE(IsTimeOfArrays("run(1).time"));
-  EXPECT_FALSE(IsTimeOfArrays("time.acc"));
+  const auto time = [](const std::vector<std::string>& names) {
+    return FindArrayTimes(TableOfTimes(names), "").time;
+  };
+  EXPECT_EQ(time({"a", "data.time", "time", "t"}), "t");
+  EXPECT_EQ(time({"data.t", "time"}), "time");
+  EXPECT_EQ(time({"data.acc[1]", "data.Time"}), "data.Time");
+  EXPECT_EQ(time({"run(1).time", "run(2).time"}), "run(1).time");
+  EXPECT_EQ(time({"data.t2", "time.acc", "acc.T"}), "");
+  const ArrayTimes given = FindArrayTimes(TableOfTimes({"t", "a.t"}), "a.t");
+  EXPECT_EQ(given.time, "a.t");
+  EXPECT_THAT(given.others, ElementsAre("t"));
+  EXPECT_EQ(given.other_clock, "");
+  EXPECT_EQ(FindArrayTimes(TableOfTimes({"t"}), "x").time, "x");
+}
+
+// Times rise; a sensor called so does not.
+TEST(ArrayTableTest, TimesRise) {
+  Table table = TableOfTimes({"t", "b.time"});
+  table.values(3, 0) = std::nan("");
+  EXPECT_EQ(FindArrayTimes(table, "").time, "t");
+  table.values(4, 0) = -1.0;
+  EXPECT_EQ(FindArrayTimes(table, "").time, "b.time");
+  EXPECT_THAT(FindArrayTimes(table, "").others, IsEmpty());
+  // Rounded times repeat; a temperature that rises now and then is none.
+  for (int i = 0; i < 11; ++i) table.values(i, 0) = std::floor(0.5 * i);
+  EXPECT_EQ(FindArrayTimes(table, "").time, "t");
+  for (int i = 0; i < 11; ++i) table.values(i, 0) = i < 9 ? 20.0 : 12.0 + i;
+  EXPECT_EQ(FindArrayTimes(table, "").time, "b.time");
+  table.values.col(0).setConstant(20.0);
+  EXPECT_EQ(FindArrayTimes(table, "").time, "b.time");
+}
+
+TEST(ArrayTableTest, OtherClocks) {
+  const auto other = [](double begin, double step) {
+    Table table = TableOfTimes({"t", "b.t"});
+    table.values.col(1) = Vector::LinSpaced(11, begin, begin + 10.0 * step);
+    const ArrayTimes times = FindArrayTimes(table, "");
+    EXPECT_EQ(times.time, "t");
+    EXPECT_THAT(times.others, ElementsAre("b.t"));
+    return times.other_clock;
+  };
+  EXPECT_EQ(other(0.0, 0.01), "");
+  EXPECT_EQ(other(1e-4, 0.01), "");
+  EXPECT_EQ(other(0.0, 0.005), "b.t");
+  EXPECT_EQ(other(0.0, 0.0101), "b.t");
+  // Another recorder that began later.
+  EXPECT_EQ(other(5.37, 0.01), "b.t");
+  // Seconds since 1970.
+  EXPECT_EQ(other(1.7e9, 0.01), "");
+  EXPECT_EQ(other(1.7e9, 0.005), "b.t");
+  // A clock without a row in common.
+  Table table = TableOfTimes({"t", "b.t"});
+  table.values.col(0).tail(6).setConstant(std::nan(""));
+  table.values.col(1).head(6).setConstant(std::nan(""));
+  EXPECT_EQ(FindArrayTimes(table, "").other_clock, "b.t");
 }
 
 TEST(ArrayTableTest, SaysWhatIsWrong) {
