@@ -20,25 +20,31 @@ constexpr Eigen::Index kFewestOfPart = 10;
 // a frame on a shake table differed by up to 1.27.
 constexpr double kLevelRatio = 1.25;
 
-// The squares of motions about their means, zero where they are missing.
+// Mean of the finite ones of `values`; NaN if there are fewer than `fewest`.
+double MeanOfFinite(const Eigen::Ref<const Vector>& values,
+                    Eigen::Index fewest) {
+  double sum = 0.0;
+  Eigen::Index count = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return count < fewest ? kNaN : sum / static_cast<double>(count);
+}
+
+// The squares of motions about their means, NaN where they are missing.
 // `motions`: samples x sensors.
 Matrix SquaresOf(Matrix motions) {
   for (auto motion : motions.colwise()) {
-    double sum = 0.0, count = 0.0;
-    for (const double value : motion) {
-      if (!std::isfinite(value)) continue;
-      sum += value;
-      count += 1.0;
-    }
-    const double mean = count > 0.0 ? sum / count : 0.0;
-    motion = motion.unaryExpr([mean](double value) {
-      return std::isfinite(value) ? std::pow(value - mean, 2) : 0.0;
-    });
+    const double mean = MeanOfFinite(motion, 1);
+    motion = (motion.array() - mean).square();
   }
   return motions;
 }
 
-// Ends of the parts of a record, each with the same share of `energy`.
+// Ends of the parts of a record, each with the same share of `energy`. A part
+// ends earlier if the others need the samples that are left.
 std::vector<Eigen::Index> EndsOf(const Vector& energy) {
   std::vector<Eigen::Index> ends;
   const double all = energy.sum();
@@ -47,10 +53,12 @@ std::vector<Eigen::Index> EndsOf(const Vector& energy) {
   for (Eigen::Index i = 0; i < energy.size(); ++i) {
     sum += energy[i];
     const auto full = static_cast<double>(ends.size() + 1) / kParts;
+    // Samples that the other parts need at least, and those that there are.
     const Eigen::Index left =
         (kParts - 1 - static_cast<Eigen::Index>(ends.size())) * kFewestOfPart;
-    if (ends.size() + 1 == kParts || sum < full * all ||
-        i + 1 - begin < kFewestOfPart || energy.size() - (i + 1) < left) {
+    const Eigen::Index after = energy.size() - (i + 1);
+    if (ends.size() + 1 == kParts || i + 1 - begin < kFewestOfPart ||
+        (sum < full * all && after > left)) {
       continue;
     }
     ends.push_back(i + 1);
@@ -73,8 +81,9 @@ MotionLevel SensorOf(const IdentificationProblem& problem,
   return sensor;
 }
 
+// Levels in different units are not compared.
 bool IsSameSensor(const MotionLevel& a, const MotionLevel& b) {
-  return a.dof == b.dof && a.quantity == b.quantity;
+  return a.dof == b.dof && a.quantity == b.quantity && a.unit == b.unit;
 }
 
 // Joins the levels of each sensor: the whole range and the mean.
@@ -112,24 +121,31 @@ void AddLevels(const std::vector<MotionLevel>& sensors, const Matrix& motions,
   const Matrix squares = SquaresOf(motions);
   Vector energy = Vector::Zero(n);
   for (const auto& square : squares.colwise()) {
-    if (square.mean() > 0.0) energy += square / square.mean();
+    const double mean = MeanOfFinite(square, 1);
+    if (!(mean > 0.0)) continue;
+    energy += square.unaryExpr([mean](double value) {
+      return std::isfinite(value) ? value / mean : 0.0;
+    });
   }
   if (!(energy.sum() > 0.0) || !std::isfinite(energy.sum())) return;
   const std::vector<Eigen::Index> ends = EndsOf(energy);
   for (size_t c = 0; c < sensors.size(); ++c) {
     const auto column = static_cast<Eigen::Index>(c);
-    if (!(squares.col(column).sum() > 0.0)) continue;
     MotionLevel own = sensors[c];
     own.lowest = kInfinity;
+    double count = 0.0;
     Eigen::Index begin = 0;
     for (const Eigen::Index end : ends) {
-      const double level =
-          std::sqrt(squares.col(column).segment(begin, end - begin).mean());
+      const double level = std::sqrt(MeanOfFinite(
+          squares.col(column).segment(begin, end - begin), kFewestOfPart));
+      begin = end;
+      if (!std::isfinite(level)) continue;
+      count += 1.0;
       own.lowest = std::min(own.lowest, level);
       own.highest = std::max(own.highest, level);
-      own.mean += level / kParts;
-      begin = end;
+      own.mean += (level - own.mean) / count;
     }
+    if (!(own.highest > 0.0)) continue;
     levels->push_back(std::move(own));
   }
 }
@@ -192,8 +208,8 @@ std::string LevelSentence(const std::vector<MotionLevel>& levels) {
          "intervals.";
 }
 
-bool IsOtherLevel(const std::vector<MotionLevel>& baselines,
-                  const std::vector<MotionLevel>& now) {
+LevelComparison CompareLevels(const std::vector<MotionLevel>& baselines,
+                              const std::vector<MotionLevel>& now) {
   int common = 0, other = 0;
   for (const MotionLevel& level : now) {
     std::vector<MotionLevel> had;
@@ -209,7 +225,8 @@ bool IsOtherLevel(const std::vector<MotionLevel>& baselines,
     const bool on_one_side = static_cast<size_t>(std::abs(sides)) == had.size();
     if (on_one_side || Beyond(level.mean, JoinBySensor(had)[0]) != 0) ++other;
   }
-  return 2 * other > common;
+  if (common == 0) return LevelComparison::kUnknown;
+  return 2 * other > common ? LevelComparison::kOther : LevelComparison::kSame;
 }
 
 }  // namespace pinode

@@ -374,7 +374,8 @@ class Analyst {
       levels.insert(levels.end(), baseline.levels.begin(),
                     baseline.levels.end());
     }
-    return misses_motion && IsOtherLevel(levels, MotionLevels(problem_));
+    return misses_motion && CompareLevels(levels, MotionLevels(problem_)) ==
+                                LevelComparison::kOther;
   }
 
   // A mass may have been added, which modes hardly tell from changed stiffness.
