@@ -196,7 +196,7 @@ std::vector<Reason> ReasonsOf(const std::vector<ChangeSubject>& subjects,
     // A shear model of a measured frame left 7 and 10 % of its motion
     // unexplained. From one level of motion to another its storeys "lost" up to
     // 47 %, so that no size of a change rules the level out.
-    if (HasChanged(reason) && missed.other_level) {
+    if (HasChanged(reason) && (missed.other_level || missed.unknown_level)) {
       reason = Reason::kOtherLevel;
     }
     if (IsSet(missed.loss_instead, j) &&
@@ -216,6 +216,8 @@ struct Findings {
   bool has_large_loss = false;     // among `damaged`
   bool has_possible_loss = false;  // among `unsure`
   bool has_between_records = false;
+  bool level_may_hide = false;     // see MissedMotion::MayHideLoss
+  bool has_unknown_level = false;  // see MissedMotion
   // Rivals of another kind, and of the same kind.
   std::vector<std::string> ambiguous, instead;
   // Losses of stiffness that explain the records in place of `damaged`, and
@@ -425,7 +427,7 @@ void Decide(const Findings& findings, const ChangeOptions& options,
     }
   } else if (!findings.other.empty() && findings.doubted.empty() &&
              findings.hidden.empty() && findings.at_other_level.empty() &&
-             !findings.has_possible_loss) {
+             !findings.level_may_hide && !findings.has_possible_loss) {
     judgement->verdict = DamageVerdict::kOtherChange;
     judgement->sentence = "No loss of stiffness, but " + OtherChanges(findings);
   } else if (!findings.missed.empty()) {
@@ -433,7 +435,7 @@ void Decide(const Findings& findings, const ChangeOptions& options,
     judgement->sentence = findings.missed;
   } else if (!findings.hidden.empty() || !findings.doubted.empty() ||
              !findings.at_other_level.empty() || !findings.unsure.empty() ||
-             !findings.unknown.empty()) {
+             !findings.unknown.empty() || findings.level_may_hide) {
     judgement->verdict = DamageVerdict::kCannotTell;
     judgement->sentence =
         "These data cannot tell whether any group lost stiffness.";
@@ -444,11 +446,32 @@ void Decide(const Findings& findings, const ChangeOptions& options,
   }
 }
 
+// Returns sentences on the level of motion, for a verdict that is open.
+std::string LevelDetails(const Findings& findings) {
+  const std::string changed =
+      findings.at_other_level.empty()
+          ? ""
+          : " This may be all that changed: " + Join(findings.at_other_level) +
+                ".";
+  if (findings.has_unknown_level) {
+    return " The model leaves motion unexplained, and the levels of motion "
+           "cannot be compared: no sensor is common." +
+           (changed.empty() ? " The level may hide a loss." : changed) +
+           " Add a baseline with a sensor of the new records.";
+  }
+  return (changed.empty()
+              ? " The new records are at another level of motion, which may "
+                "hide a loss."
+              : " The model leaves motion unexplained, and the new records are "
+                "at another level of motion than the baselines." +
+                    changed) +
+         " Add a baseline at the level of the new records.";
+}
+
 void AddDetails(const Findings& findings, Judgement* judgement) {
   std::string& sentence = judgement->sentence;
   const bool is_open = !findings.doubted.empty() || !findings.hidden.empty() ||
-                       !findings.at_other_level.empty() ||
-                       findings.has_possible_loss;
+                       findings.level_may_hide || findings.has_possible_loss;
   if ((!findings.damaged.empty() || !findings.nonlinear.empty() || is_open) &&
       !findings.other.empty()) {
     sentence += " Besides, " + OtherChanges(findings);
@@ -463,13 +486,9 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
                 ". It depends on the level of motion. Add a baseline at the "
                 "level of the new record to see how much.";
   }
-  if (!findings.at_other_level.empty()) {
-    sentence +=
-        " The model leaves motion unexplained, and the new records are "
-        "at another level of motion than the baselines. This may be "
-        "all that changed: " +
-        Join(findings.at_other_level) +
-        ". Add a baseline at the level of the new records.";
+  if (findings.level_may_hide && findings.missed.empty() &&
+      judgement->verdict == DamageVerdict::kCannotTell) {
+    sentence += LevelDetails(findings);
   }
   if (!findings.doubted.empty()) {
     sentence +=
@@ -508,6 +527,10 @@ void AddDetails(const Findings& findings, Judgement* judgement) {
 
 bool MissedMotion::IsMore() const {
   return last > std::max(kLittleMissed, kMostMissed * healthy);
+}
+
+bool MissedMotion::MayHideLoss() const {
+  return other_level || unknown_level || level_hides_loss;
 }
 
 bool MissedMotion::Hides(double change) const {
@@ -573,6 +596,8 @@ Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,
                                       judgement.reasons.end(), HasChanged);
   Findings findings;
   findings.has_between_records = estimate.has_between_records;
+  findings.level_may_hide = missed.MayHideLoss();
+  findings.has_unknown_level = missed.unknown_level;
   AddRivals(subjects, estimate, &judgement.reasons, &findings);
   AddExplanations(subjects, estimate, &findings);
   AddChanges(subjects, estimate, options, judgement.reasons, &findings);

@@ -71,8 +71,9 @@ enum class Reason {
   // another explanation of this motion shifts the group as far. Only with one
   // baseline.
   kOtherExplanation,
-  // Change between records at different levels of motion, of which the model
-  // leaves some unexplained. The change may come from the level.
+  // Change between records at different levels of motion, or at levels that
+  // cannot be compared. The model leaves motion unexplained, so that the change
+  // may come from the level.
   kOtherLevel,
 };
 
@@ -107,10 +108,17 @@ struct MissedMotion {
   // True if motion is unexplained, and the new records are at another level of
   // motion than all baselines.
   bool other_level = false;
+  // True if motion is unexplained, and no sensor shows how the levels compare.
+  bool unknown_level = false;
+  // True if changes count at another level, because one explanation holds for
+  // both sides, but some group may have lost more than the threshold with it.
+  bool level_hides_loss = false;
 
   // True if `last` is above 2 % and above three times `healthy`. The structure,
   // its loads or its sensors then have changed in a way that was not examined.
   bool IsMore() const;
+  // True if the level of motion may hide a loss.
+  bool MayHideLoss() const;
   // True if one baseline cannot show a change of this size (a fraction). The
   // unexplained share of the motion is then above 10 % and above the change.
   // Unexplained motion depends on the motion, and so differs between records.
@@ -142,7 +150,9 @@ struct Judgement {
 //                 smaller nonlinear force was found.
 //   cannot_tell   A change may exist but does not count as found, see below.
 //                 Or a stiffness group may have lost more than the threshold,
-//                 with more than 5 % probability.
+//                 with more than 5 % probability. Or the level of motion may
+//                 hide a loss: it is another one or unknown, and motion is
+//                 unexplained.
 //   no_damage     No change was found. For each group, a loss beyond the
 //                 threshold has a probability of at most 5 %.
 //
@@ -151,7 +161,8 @@ struct Judgement {
 // - any change, if more motion is unexplained than in the baselines
 //   (MissedMotion::IsMore), except a nonlinear force that
 //   MissedMotion::LeavesForce confirms;
-// - any change between different levels of motion, if some is unexplained;
+// - any change between different or unknown levels of motion, if some motion is
+//   unexplained;
 // - with one baseline, a change that is smaller than the unexplained motion, or
 //   within reach of other explanations of this motion.
 Judgement JudgeChange(const std::vector<ChangeSubject>& subjects,

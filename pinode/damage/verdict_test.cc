@@ -362,6 +362,42 @@ TEST(JudgeChange, CannotTellBetweenLevelsOfMotion) {
               HasSubstr("Add a baseline at the level of the new records"));
 }
 
+TEST(JudgeChange, TheLevelOfMotionMayHideALoss) {
+  ChangeEstimate estimate;
+  estimate.groups = {Change(0.0, 0.01, false), Change(0.0, 0.01, false),
+                     Change(0.0, 0.01, false)};
+  MissedMotion other, unknown, hidden;
+  other.other_level = true;
+  unknown.unknown_level = true;
+  hidden.level_hides_loss = true;
+  const auto judge = [&](const MissedMotion& missed) {
+    return JudgeChange(kSubjects, estimate, ChangeOptions(), missed);
+  };
+  EXPECT_EQ(judge({}).verdict, DamageVerdict::kNoDamage);
+  for (const MissedMotion& missed : {other, hidden}) {
+    EXPECT_EQ(judge(missed).verdict, DamageVerdict::kCannotTell);
+    EXPECT_EQ(judge(missed).sentence,
+              "These data cannot tell whether any group lost stiffness. The "
+              "new records are at another level of motion, which may hide a "
+              "loss. Add a baseline at the level of the new records.");
+  }
+  EXPECT_EQ(judge(unknown).sentence,
+            "These data cannot tell whether any group lost stiffness. The "
+            "model leaves motion unexplained, and the levels of motion cannot "
+            "be compared: no sensor is common. The level may hide a loss. Add "
+            "a baseline with a sensor of the new records.");
+  // A gain that stands does not close the question.
+  estimate.groups[1] = Change(0.2, 0.01, true);
+  EXPECT_EQ(judge({}).verdict, DamageVerdict::kOtherChange);
+  EXPECT_EQ(judge(hidden).verdict, DamageVerdict::kCannotTell);
+  EXPECT_THAT(judge(unknown).sentence,
+              HasSubstr("This may be all that changed: k2 (+20 %)."));
+  // A loss that stands is one.
+  estimate.groups[0] = Change(-0.2, 0.01, true);
+  EXPECT_EQ(judge(hidden).verdict, DamageVerdict::kDamage);
+  EXPECT_EQ(judge(unknown).verdict, DamageVerdict::kCannotTell);
+}
+
 TEST(JudgeChange, CannotTellWhatIsSmallerThanWhatTheModelMisses) {
   ChangeEstimate estimate;
   estimate.groups = {Change(-0.24, 0.01, true), Change(0.0, 0.01, false),

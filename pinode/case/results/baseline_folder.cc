@@ -49,6 +49,7 @@ struct Result {
   std::vector<std::string> undetermined;
   Doubts doubts;  // as in Baseline
   std::vector<MotionLevel> levels;
+  bool has_records = true;
 };
 
 double NumberOr(const Json& object, const char* key, double otherwise) {
@@ -112,9 +113,13 @@ std::vector<MotionLevel> LevelsIn(const Json& json) {
     MotionLevel read;
     const Json dof = level.value("dof", Json());
     const Json quantity = level.value("quantity", Json());
-    if (!dof.is_string() || !quantity.is_string()) continue;
+    const Json unit = level.value("unit", Json());
+    if (!dof.is_string() || !quantity.is_string() || !unit.is_string()) {
+      continue;
+    }
     read.dof = dof;
     read.quantity = quantity;
+    read.unit = unit;
     read.lowest = NumberOr(level, "lowest", 0.0);
     read.mean = NumberOr(level, "mean", 0.0);
     read.highest = NumberOr(level, "highest", 0.0);
@@ -172,6 +177,8 @@ bool ReadResult(const std::string& path, Result* result, std::string* error) {
       values.data(), static_cast<Eigen::Index>(values.size()));
   result->doubts = DoubtsOf(DoubtsIn(json));
   result->levels = LevelsIn(json);
+  result->has_records =
+      !json.value("records", Json()).empty() || json.contains("ambient");
   return true;
 }
 
@@ -481,6 +488,7 @@ bool ReadBaseline(const std::string& folder, const Case& c, Baseline* baseline,
   read.undetermined = result.undetermined;
   read.doubts = std::move(result.doubts);
   read.levels = std::move(result.levels);
+  read.has_records = result.has_records;
   read.offsets = std::move(offsets);
   read.parameter_names = result.names;
   read.parameter_values = result.values;

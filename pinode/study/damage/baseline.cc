@@ -123,7 +123,7 @@ Doubts DoubtsOf(const IdentificationSummary& summary) {
       doubts.whole = likeliest;
     }
   }
-  doubts.misses_motion = misses_motion && !doubts.whole.has_value();
+  doubts.misses_motion = misses_motion;
   return doubts;
 }
 
@@ -191,6 +191,8 @@ bool BaselineFrom(const std::string& name, const IdentificationProblem& problem,
       values.data(), static_cast<Eigen::Index>(values.size()));
   result.doubts = DoubtsOf(summary);
   result.levels = MotionLevels(problem);
+  result.has_records =
+      problem.num_train_records() > 0 || !problem.ambient.empty();
   HealthyFit fit;
   fit.problem = problem;
   fit.summary = summary;

@@ -42,7 +42,7 @@ struct Doubts {
   std::vector<ExplainedValue> reach = {};
   // True if another solution describes the data as well.
   bool other_solution = false;
-  // True if motion is unexplained, also with the likeliest explanation.
+  // True if motion is unexplained by the model as it is, whatever explains it.
   bool misses_motion = false;
   // Likeliest explanation, if only noise remains with it.
   std::optional<Explanation> whole = std::nullopt;
@@ -76,6 +76,8 @@ struct Baseline {
   Doubts doubts = {};  // see DoubtsOf
   // Levels of motion of the records. Empty: unknown.
   std::vector<MotionLevel> levels = {};
+  // False for a fit to measured modes or frequency responses alone.
+  bool has_records = true;
 
   // Fit of the baseline. Null if only the values are known; `why_no_fit` then
   // has the reason as a clause.

@@ -321,11 +321,11 @@ class Analyst {
     const Judgement& judgement = result_.judgement;
     return judgement.verdict == DamageVerdict::kCannotTell &&
            !missed.IsMore() && !missed.other_solution &&
+           !missed.MayHideLoss() &&
            std::none_of(judgement.reasons.begin(), judgement.reasons.end(),
                         [](Reason reason) {
                           return reason == Reason::kUnexplained ||
                                  reason == Reason::kModelError ||
-                                 reason == Reason::kOtherLevel ||
                                  reason == Reason::kOtherExplanation;
                         });
   }
@@ -353,7 +353,7 @@ class Analyst {
                                [](const Baseline& baseline) {
                                  return baseline.doubts.other_solution;
                                });
-    missed.other_level = IsAtOtherLevel();
+    CompareLevelsOfMotion(states, &missed);
     // Several baselines show themselves how much records differ.
     if (states.healthy.size() == 1) {
       missed.within_doubt = WithinDoubt(
@@ -364,18 +364,49 @@ class Analyst {
     return missed;
   }
 
-  // True if a model that leaves motion unexplained is compared with itself at
-  // another level of motion.
-  bool IsAtOtherLevel() const {
+  // Sets flags on the level of motion, if the model leaves motion unexplained.
+  void CompareLevelsOfMotion(const Comparison& states,
+                             MissedMotion* missed) const {
     bool misses_motion = doubts_.misses_motion;
-    std::vector<MotionLevel> levels;
-    for (const Baseline& baseline : baselines_) {
-      misses_motion = misses_motion || baseline.doubts.misses_motion;
-      levels.insert(levels.end(), baseline.levels.begin(),
-                    baseline.levels.end());
+    bool had_records = false;
+    std::vector<MotionLevel> had;
+    for (size_t i = 0; i < baselines_.size(); ++i) {
+      const Baseline& baseline = baselines_[i];
+      misses_motion =
+          misses_motion || (found_.empty() ? baseline.doubts.misses_motion
+                                           : healthy_records_.LeavesMotion(i));
+      had_records = had_records || baseline.has_records;
+      had.insert(had.end(), baseline.levels.begin(), baseline.levels.end());
     }
-    return misses_motion && CompareLevels(levels, MotionLevels(problem_)) ==
-                                LevelComparison::kOther;
+    if (!misses_motion) return;
+    const std::vector<MotionLevel> now = MotionLevels(problem_);
+    const LevelComparison levels = CompareLevels(had, now);
+    if (levels == LevelComparison::kSame) return;
+    // Values under one explanation are compared with one baseline alone, and
+    // only those of groups.
+    if (states.healthy.size() == 1 && found_.empty()) {
+      const std::vector<ExplainedValue> changes =
+          ChangesUnderOne({states.healthy[0], baselines_[0].doubts}, doubts_,
+                          groups_, result_.estimate, states.options);
+      if (!changes.empty()) {
+        missed->level_hides_loss = std::any_of(
+            changes.begin(), changes.end(), [this](const ExplainedValue& own) {
+              return own.lower95 < -options_.threshold;
+            });
+        return;
+      }
+    }
+    missed->other_level = levels == LevelComparison::kOther;
+    // Short records and results of earlier versions have no levels. They are
+    // judged as before there were any, by the unexplained share, the reach of
+    // explanations and the scatter between baselines. Modes alone come from
+    // motion of another kind than records, often much weaker. Two sets of modes
+    // are compared as ever: their own misfits are checked.
+    const bool has_records =
+        problem_.num_train_records() > 0 || !problem_.ambient.empty();
+    missed->unknown_level =
+        levels == LevelComparison::kUnknown &&
+        ((!had.empty() && !now.empty()) || had_records != has_records);
   }
 
   // A mass may have been added, which modes hardly tell from changed stiffness.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pinode/estimate/fit/fit_checks.h"
+#include "pinode/problem/verdict_limits.h"
 #include "pinode/study/problem/growth.h"
 
 namespace pinode {
@@ -90,6 +91,15 @@ bool HealthyRecords::RefitWith(const std::vector<ChangeCandidate>& found,
     }
   }
   return is_any;
+}
+
+bool HealthyRecords::LeavesMotion(size_t baseline) const {
+  const Baseline& own = baselines_[baseline];
+  if (baseline < fits_.size() && own.fit != nullptr &&
+      fits_[baseline].problem.dynamics != own.fit->problem.dynamics) {
+    return MissedOf(fits_[baseline].summary, 0.0) > limits::kLittleUnexplained;
+  }
+  return own.doubts.misses_motion;
 }
 
 bool HealthyRecords::States(const FitOfRecords& of_new,

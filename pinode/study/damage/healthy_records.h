@@ -45,6 +45,9 @@ class HealthyRecords {
   // new records. Returns true if there is a new fit.
   bool RefitWith(const std::vector<ChangeCandidate>& found,
                  const std::map<std::string, double>& values, InnerFit* inner);
+  // True if the model leaves motion of a baseline unexplained. If RefitWith has
+  // changed its fit, the answer is that of the new fit.
+  bool LeavesMotion(size_t baseline) const;
   // Fits found by Refit, one per baseline.
   const std::vector<FitOfRecords>& fits() const { return fits_; }
   // Puts former fits back.

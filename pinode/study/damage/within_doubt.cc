@@ -62,6 +62,14 @@ void Widen(const GroupState& state, size_t j, ExplainedValue* offsets) {
   offsets->lower95 = -offsets->upper95;
 }
 
+// Factor from the change of group `j` to its move.
+double ScaleOf(const GroupState& before, const ChangeOptions& options,
+               size_t j) {
+  return options.absolute[j]
+             ? 1.0
+             : 1.0 + before.values[static_cast<Eigen::Index>(j)];
+}
+
 }  // namespace
 
 std::vector<bool> WithinDoubt(const DoubtedState& then, const DoubtedState& now,
@@ -74,10 +82,8 @@ std::vector<bool> WithinDoubt(const DoubtedState& then, const DoubtedState& now,
   const std::vector<ExplainedValue>& reach_now = now.doubts.reach;
   const bool any_doubt = !reach_then.empty() || !reach_now.empty();
   for (size_t j = 0; j < groups.size(); ++j) {
-    const double before = then.state.values[static_cast<Eigen::Index>(j)];
-    const double change = estimate.groups[j].change;
-    const double moved = options.absolute[j] ? change : (1.0 + before) * change;
-    const double scale = options.absolute[j] ? 1.0 : 1.0 + before;
+    const double scale = ScaleOf(then.state, options, j);
+    const double moved = scale * estimate.groups[j].change;
     if (const std::optional<ExplainedValue> under =
             MovedUnderOne(then.doubts, now.doubts, groups[j], moved)) {
       within[j] = !IsLikeChange(moved, *under, options.threshold * scale);
@@ -102,6 +108,22 @@ std::vector<bool> WithinDoubt(const DoubtedState& then, const DoubtedState& now,
                 (moved >= -offsets.upper95 && moved <= -offsets.lower95);
   }
   return within;
+}
+
+std::vector<ExplainedValue> ChangesUnderOne(
+    const DoubtedState& then, const Doubts& now,
+    const std::vector<std::string>& groups, const ChangeEstimate& estimate,
+    const ChangeOptions& options) {
+  std::vector<ExplainedValue> changes;
+  for (size_t j = 0; j < groups.size(); ++j) {
+    const double scale = ScaleOf(then.state, options, j);
+    const std::optional<ExplainedValue> moved = MovedUnderOne(
+        then.doubts, now, groups[j], scale * estimate.groups[j].change);
+    if (!moved) return {};
+    changes.push_back({groups[j], moved->value / scale, moved->lower95 / scale,
+                       moved->upper95 / scale});
+  }
+  return changes;
 }
 
 }  // namespace pinode

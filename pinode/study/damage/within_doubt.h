@@ -28,6 +28,14 @@ std::vector<bool> WithinDoubt(const DoubtedState& then, const DoubtedState& now,
                               const ChangeEstimate& estimate,
                               const ChangeOptions& options);
 
+// Returns the changes of `groups` if one explanation of what the model lacks
+// holds for `then` and `now`. WithinDoubt compares these values. Empty if there
+// is no such explanation, or if it has no value of a group.
+std::vector<ExplainedValue> ChangesUnderOne(
+    const DoubtedState& then, const Doubts& now,
+    const std::vector<std::string>& groups, const ChangeEstimate& estimate,
+    const ChangeOptions& options);
+
 }  // namespace pinode
 
 #endif  // PINODE_STUDY_DAMAGE_WITHIN_DOUBT_H_
