@@ -7,12 +7,18 @@ the planning of sensors.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ._arguments import words_of
 from ._columns import curves
-from ._part_checks import check_names_of_columns
+from ._labels import (
+    check_common_order,
+    check_names_of_columns,
+    check_places,
+    default_names,
+    names_of_values,
+)
 from ._pinode import Error
 
 # Keywords of a case, and their tables in a case file.
@@ -63,29 +69,114 @@ def check_parts(parts: Mapping[str, Any]) -> None:
                 raise Error(f"{key}[{place}] is {words_of(entry)}, expected a {maker}")
 
 
-def tables_of(parts: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the parts of a case as the tables of a file."""
+def tables_of(parts: Mapping[str, Any], model: Any = None) -> dict[str, Any]:
+    """Returns the parts of a case as the tables of a file. `model` is that of the case, if
+    the parts have none.
+    """
     tables = {KEYS.get(key, key): part for key, part in parts.items()}
-    if "group" in tables and isinstance(tables.get("model"), Mapping):
-        tables["group"] = [_group(f"groups[{i}]", group, tables["model"])
-                           for i, group in enumerate(tables["group"])]
+    model, groups = tables.get("model", model), tables.get("group")
+    if isinstance(model, Mapping) and isinstance(groups, (list, tuple)):
+        _check_groups(groups)
+        tables["group"] = [_group(f"groups[{i}]", group, model) if isinstance(group, Mapping)
+                           else group for i, group in enumerate(groups)]
     if "reference_curve" in tables:
         tables["reference_curve"] = curves(tables["reference_curve"])
     return tables
+
+
+def check_order(parts: Mapping[str, Any], tables: Mapping[str, Any], dofs: list[str]) -> None:
+    """Raises an Error if the frame of a group, or the start of a record, has the DOFs of the
+    case in another order. `tables` are those of `parts`.
+    """
+    groups = parts.get("groups", parts.get("group")) or ()
+    for i, (group, table) in enumerate(zip(groups, tables.get("group") or ())):
+        if "matrix" in table:
+            check_names_of_columns(f"groups[{i}]: matrix", getattr(group, "columns", None), dofs)
+    for record in tables.get("record") or ():
+        _check_start(record, dofs)
 
 
 def _group(where: str, group: Mapping[str, Any], model: Mapping[str, Any]) -> Mapping[str, Any]:
     """Returns the table of a group. A matrix over all DOFs of a finite-element model is
     reduced as the model is: it is the key `set_export`.
     """
-    export = model.get("finite_element") or {}
-    check_names_of_columns(f"{where}: matrix", getattr(group, "columns", None),
-                           export.get("dofs") if export else model.get("dofs"))
+    export = _export(model)
     shape = getattr(group.get("matrix"), "shape", None)
-    is_whole = shape is not None and shape == getattr(export.get("mass"), "shape", None)
+    exported = _exported(export)
+    is_whole = shape is not None and (
+        shape == getattr(export.get("mass"), "shape", None)
+        or (exported is not None and shape == (len(exported), len(exported))))
+    _check_columns(where, group, model, is_whole)
     if not is_whole or not (model.get("reduction") or export.get("remove_dofs")):
         return group
     return {"set_export" if key == "matrix" else key: value for key, value in group.items()}
+
+
+def _check_groups(groups: Sequence[Any]) -> None:
+    """Raises an Error if the frames of two groups have the same columns in another order."""
+    first: tuple[str, list[str]] | None = None
+    for i, group in enumerate(groups):
+        columns = getattr(group, "columns", None)
+        if first is not None:
+            check_common_order(f"groups[{i}]: matrix", columns, first[1], first[0])
+        elif columns is not None:
+            first = (f"groups[{i}]", columns)
+
+
+def _check_columns(where: str, group: Mapping[str, Any], model: Mapping[str, Any],
+                   is_whole: bool) -> None:
+    """Raises an Error if the frame of a group names the DOFs in another order than the
+    model does.
+    """
+    export = _export(model)
+    columns = getattr(group, "columns", None)
+    of_model = getattr(model, "columns", None)
+    if is_whole or not export:
+        check_names_of_columns(f"{where}: matrix", columns,
+                               _exported(export) if is_whole else _dofs_of(model), of_model)
+    else:
+        # With a reduction they are compared when its DOFs are known.
+        check_names_of_columns(f"{where}: matrix", columns, _dofs_of(model))
+    for key in ("changed_export", "set_export"):
+        check_names_of_columns(f"{where}: {key}", getattr(group, f"columns_of_{key}", None),
+                               _exported(export), of_model)
+
+
+def _dofs_of(model: Mapping[str, Any]) -> list[str] | None:
+    """Returns the DOFs of a model. None: they are not known before the case is made."""
+    export, building = _export(model), model.get("shear_building")
+    if export:
+        dofs = _exported(export)
+        if dofs is None or model.get("reduction"):
+            return None
+        removed = export.get("remove_dofs") or ()
+        return [dof for dof in dofs if dof not in removed]
+    dofs = model.get("dofs")
+    if isinstance(dofs, (list, tuple)):
+        return list(dofs)
+    masses = building.get("masses") if isinstance(building, Mapping) else None
+    return default_names(len(masses)) if isinstance(masses, (list, tuple)) else None
+
+
+def _export(model: Mapping[str, Any]) -> Mapping[str, Any]:
+    export = model.get("finite_element")
+    return export if isinstance(export, Mapping) else {}
+
+
+def _exported(export: Mapping[str, Any]) -> list[str] | None:
+    """Returns all DOFs of a finite-element model. None: they are in a file."""
+    dofs, shape = export.get("dofs"), getattr(export.get("mass"), "shape", ())
+    if dofs is None and len(shape) == 2:
+        return default_names(shape[0])
+    return list(dofs) if isinstance(dofs, (list, tuple)) else None
+
+
+def _check_start(record: Any, dofs: list[str] | None) -> None:
+    """Raises an Error if columns of pandas start a record in another order than the DOFs."""
+    start = record.get("start") if isinstance(record, Mapping) else None
+    for key, values in start.items() if isinstance(start, Mapping) else ():
+        check_places(f"record '{record.get('name')}': start[{key!r:.40}]", names_of_values(values),
+                     dofs)
 
 
 def purpose_of(tree: Mapping[str, Any]) -> str:

@@ -60,17 +60,6 @@ def check_dofs(where: str, dofs: Any, size: int | None, of: str) -> None:
                     "each")
 
 
-def check_names_of_columns(where: str, columns: list[str] | None, dofs: Any) -> None:
-    """Raises an Error if the columns of a frame name the DOFs in another order, or only
-    some of them.
-    """
-    if columns is None or not isinstance(dofs, (list, tuple)) or list(dofs) == columns:
-        return
-    if set(columns) & set(dofs):
-        raise Error(f"{where} has the columns {', '.join(columns):.60}, expected the DOFs of the "
-                    f"model in their order: {', '.join(map(str, dofs)):.60}")
-
-
 def check_damping(where: str, damping: Any) -> None:
     """Raises an Error if damping is a dictionary that is no rule."""
     # A matrix of SciPy by keys is a dictionary too.

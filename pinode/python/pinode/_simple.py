@@ -25,7 +25,8 @@ from ._arguments import (
     takes,
 )
 from ._arrays import as_array, is_frame
-from ._part import ArrayLike, as_sequence
+from ._labels import are_whole, check_places, labels_of, names_of
+from ._part import ArrayLike, as_names
 from ._pinode import Error
 from .case import Case, Progress
 from .measurements import INTERPOLATIONS, QUANTITIES, Record, channels
@@ -127,10 +128,11 @@ def identify(
     names = list(model["dofs"])
     if at is None:
         at = _places(response, columns.shape[1], names)
-    at = as_sequence("at", at)
+    at = as_names("at", at)
     if len(at) != columns.shape[1]:
         raise Error(f"identify: at has {len(at)} names and response {columns.shape[1]} channels, "
                     "expected one for each")
+    check_places("identify: response", labels_of(response), at, "at")
     plain = Case(model, units=units)
     springs = _springs(plain.stiffness, names) if groups is None else None
     found = (_groups(groups) if springs is None
@@ -239,13 +241,20 @@ def _places(response: Any, count: int, names: list[str]) -> list[str]:
     """Returns the DOFs of the channels: those that the columns of a frame name, or all
     in order.
     """
-    if is_frame(response) and any(name in names for name in response.columns):
-        for name in response.columns:
+    given = list(response.columns) if is_frame(response) else []
+    found = names_of("identify: response has the column", given, "or at=[...], the DOF of each "
+                     "channel")
+    # Numbers that pandas has not given are meant as names.
+    if found is not None and (set(found) & set(names) or are_whole(given)):
+        for name in found:
             if name not in names:
                 raise Error(f"identify: response has the column {name!r:.40}, which is no DOF of the "
                             f"model ({', '.join(names):.60}), expected at=[...], the DOF of each "
                             "channel")
-        return list(response.columns)
+        return found
+    # Columns 0, 1, 2, ... are all in order, which DOFs of these names may not be.
+    check_places("identify: response", list(map(str, given)) if are_whole(given)
+                 and set(map(str, given)) == set(names) else None, names)
     if count != len(names):
         raise Error(
             f"identify: response has {count} channels and the model {len(names)} DOFs, expected "

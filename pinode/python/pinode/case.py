@@ -11,7 +11,7 @@ import numpy as np
 from . import _html, _pinode
 from ._arguments import (ANY, COUNT, FLAG, MAPPING, NUMBER, POSITIVE, TEXT, WHOLE, takes,
                          unknown_keyword)
-from ._case_tables import KEYS, check_parts, purpose_of, tables_of
+from ._case_tables import KEYS, check_order, check_parts, purpose_of, tables_of
 from ._part import as_flag, as_folder, as_mapping, as_number, as_path, as_watcher, counted
 from ._pinode import Error
 from ._words import speaks_python
@@ -93,6 +93,7 @@ class Case:
         check_parts(self._parts)
         tree = tables_of(self._parts)
         self._handle = _pinode.CaseHandle.from_tree(tree, "", purpose_of(tree))
+        check_order(self._parts, tree, self._handle.dofs)
 
     @classmethod
     def _of(cls, handle: Any, parts: dict[str, Any] | None = None) -> "Case":
@@ -137,13 +138,15 @@ class Case:
         if self._parts is None:
             tree = self._handle.tree()
             check_parts(parts)
-            other = tables_of(parts)
+            other = tables_of(parts, tree.get("model"))
             tree.update(other)
             purpose = purpose_of(tree)
             # The tables do not state the purpose for which the case was read.
             if "record" not in other and purpose != "planning":
                 purpose = self._handle.purpose.replace("fit", "check")
-            return Case._of(_pinode.CaseHandle.from_tree(tree, self.path, purpose))
+            handle = _pinode.CaseHandle.from_tree(tree, self.path, purpose)
+            check_order(parts, other, handle.dofs)
+            return Case._of(handle)
         for name in parts:
             if name not in _KEYWORDS:
                 raise unknown_keyword("Case.replace", name, _KEYWORDS)

@@ -11,6 +11,7 @@ import numpy as np
 from . import _pinode
 from ._arguments import ANY, NOT_NEGATIVE, POSITIVE, TEXT, takes
 from ._arrays import as_array
+from ._labels import check_places, labels_of
 from ._part import as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
@@ -93,8 +94,9 @@ def estimate_frfs(
         record of the same test, as with a file per blow.
     responses: samples x channels, or samples of one channel; a list beside a list.
     step: seconds between samples; or fs or sampling_rate_hz: samples per second.
-    names: names of the channels, which are places. Default: a1, a2, ...
-    references: names of the forces' places. Default: f1, f2, ...
+    names: names of the channels, which are places. Default: names of the columns of a
+        frame, else a1, a2, ...
+    references: names of the forces' places. Default: likewise, else f1, f2, ...
     quantity: "acceleration", "velocity" or "displacement" of all channels.
     estimator: "h1" (noise in the responses), "h2" (in the force), "hv" (in both).
     excitation: "blows" of a hammer, "random" or "periodic". Default: "automatic".
@@ -124,6 +126,12 @@ def estimate_frfs(
                         f"has {counted(len(one), 'sample')}, expected samples x channels"
                         + ("; if each row is a channel, pass its transpose, responses.T"
                            if turned else ", as many samples for both"))
+    named = [_named("force", [one for one, _ in pairs]),
+             _named("responses", [other for _, other in pairs])]
+    check_places("responses", named[1], names, "names")
+    check_places("force", named[0], references, "references")
+    names = named[1] if names is None else names
+    references = named[0] if references is None else references
     width = [records[0][0].shape[1], records[0][1].shape[1]]
     handle = _pinode.estimate_frfs(
         records, 1.0 / rate,
@@ -131,6 +139,19 @@ def estimate_frfs(
         _DERIVATIVES[quantity], estimator, excitation, block or 0.0, overlap, force_window or 0.0,
         exponential_window or 0.0)
     return FrequencyResponses(handle)
+
+
+def _named(name: str, frames: list[Any]) -> list[str] | None:
+    """Returns the names of the columns, which all frames must have in the same order.
+    None: they are unnamed.
+    """
+    first = labels_of(frames[0])
+    for i, frame in enumerate(frames):
+        labels = labels_of(frame)
+        if None not in (first, labels) and labels != first:
+            raise Error(f"{name}[{i}] has the columns {', '.join(labels or ()):.60}, expected those "
+                        f"of {name}[0] in their order: {', '.join(first or ()):.60}")
+    return first
 
 
 def _columns(name: str, values: Any) -> np.ndarray:

@@ -6,6 +6,7 @@ file.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -34,7 +35,16 @@ from ._arguments import (
 from ._arrays import as_array, is_frame, plain
 from ._case_tables import is_for_simulation
 from ._columns import Columns
-from ._part import ArrayLike, Part, as_list, as_path, as_sequence, as_text
+from ._labels import (
+    are_numbered,
+    are_whole,
+    check_places,
+    default_names,
+    labels_of,
+    names_of,
+    names_of_values,
+)
+from ._part import ArrayLike, Part, as_list, as_names, as_path, as_sequence, as_text
 from ._pinode import Error
 
 
@@ -124,7 +134,8 @@ def channels(
     """Returns a channel for each column of `values`, samples x channels.
 
     prefix: the channels are named prefix + "1", prefix + "2", ...
-    dofs: their DOFs. Default: u1, u2, ...
+    dofs: their DOFs. Default: u1, u2, ..., which the columns of a frame may have in
+        another order.
     keys: further arguments of Channel.
     """
     try:
@@ -144,17 +155,37 @@ def channels(
             "samples x channels; if each row is a channel, pass its transpose, values.T"
         )
     if dofs is None:
-        dofs = [f"u{i + 1}" for i in range(array.shape[1])]
-    dofs = as_sequence("dofs", dofs)
+        named = _named_columns(f"channels({prefix!r})", values)
+        dofs = default_names(array.shape[1]) if named is None else named
+    dofs = as_names("dofs", dofs)
     if len(dofs) != array.shape[1]:
         raise Error(
             f"channels '{prefix}': values has {array.shape[1]} columns and dofs "
             f"{len(dofs)} names, expected one for each"
         )
+    check_places(f"channels({prefix!r}): values", labels_of(values), dofs)
     return [
         Channel(f"{prefix}{i + 1}", array[:, i], quantity, dof=dof, **keys)
         for i, dof in enumerate(dofs)
     ]
+
+
+def _named_columns(where: str, values: Any) -> list[str] | None:
+    """Returns the DOFs that the columns of a frame name: u1, u2, ..., in any order. None:
+    they have names of their own.
+    """
+    labels = list(values.columns) if is_frame(values) else []
+    if are_numbered(labels):
+        return None
+    found = names_of(f"{where}: values has the column", labels,
+                     "or dofs=[...], the DOF of each column")
+    known = [bool(re.fullmatch("u[1-9][0-9]*", name)) for name in found or ()]
+    if not any(known) and not are_whole(labels):
+        return None
+    if not all(known):
+        raise Error(f"{where}: values has the columns {', '.join(found or ()):.60}, expected "
+                    "dofs=[...], the DOF of each column")
+    return found
 
 
 def _check_quantity(name: str, quantity: str) -> None:
@@ -292,7 +323,8 @@ class Mode(Part):
 
     frequency_hz: frequency in Hz.
     frequency_sigma: its standard deviation in Hz; required if there are also records.
-    shape: {dof: value}, or an array with its `dofs`. NaN or masked: not measured.
+    shape: {dof: value}, a column of pandas with the DOFs as index, or an array with its
+        `dofs`. NaN or masked: not measured.
     shape_sigma: standard deviation of every entry, in the unit of `shape`, or
         {dof: standard deviation}, one per DOF.
     name: name in reports.
@@ -314,9 +346,12 @@ class Mode(Part):
         **keys: Any,
     ) -> None:
         if shape is not None and not isinstance(shape, Mapping):
+            named = names_of_values(shape)
             shape = as_list(shape)
             if dofs is not None:
-                dofs = [as_text("dofs", name) for name in as_sequence("dofs", dofs)]
+                dofs = [as_text("dofs", name) for name in as_names("dofs", dofs)]
+            check_places("Mode: shape", named, dofs)
+            dofs = named if dofs is None else dofs
             if dofs is None or not isinstance(shape, (list, tuple)) or len(dofs) != len(shape):
                 raise Error(
                     "the shape of a mode is an array, expected 'dofs' with a "

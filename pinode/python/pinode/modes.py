@@ -17,7 +17,8 @@ from ._arguments import (ANY, COUNT, FLAG, LIST, MAPPING, NUMBER, POSITIVE, TEXT
                          check_kind, either, hint, takes, words_of)
 from ._arrays import as_array, is_frame
 from ._conditioned import check_band, check_trend, conditioned
-from ._part import as_flag, as_folder, as_path, as_sequence, counted
+from ._labels import check_places, labels_of
+from ._part import as_flag, as_folder, as_names, as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
 
@@ -477,7 +478,8 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any], single: bool) -> tuple
     places = setup.get("names", one["names"])
     if places is None and is_frame(setup["values"]):
         places = [str(name) for name in setup["values"].columns]
-    places = [f"a{i + 1}" for i in range(count)] if places is None else as_sequence("names", places)
+    places = [f"a{i + 1}" for i in range(count)] if places is None else as_names("names", places)
+    check_places(argument, labels_of(setup["values"]), places, "names")
     if len(places) != count:
         raise Error(f"names has {counted(len(places), 'name')} and {argument} "
                     f"{counted(count, 'channel')}, expected one for each")

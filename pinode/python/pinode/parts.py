@@ -34,7 +34,14 @@ from ._arguments import (
     one_of,
     takes,
 )
-from ._arrays import is_frame, rows_of_file
+from ._arrays import rows_of_file
+from ._labels import (
+    check_floors,
+    check_influence,
+    check_names_of_columns,
+    default_names,
+    names_of_columns,
+)
 from ._part import (
     ArrayLike,
     Part,
@@ -52,36 +59,11 @@ from ._part_checks import (
     check_dofs,
     check_functions,
     check_law,
-    check_names_of_columns,
     check_square,
     check_values,
     shape_words,
 )
 from ._pinode import Error
-
-
-def _names_of_columns(**matrices: Any) -> list[str] | None:
-    """Returns the column names of frames whose columns are named by texts. None: there
-    are no such frames.
-    """
-    found: dict[str, list[str]] = {}
-    for key, matrix in matrices.items():
-        if not is_frame(matrix):
-            continue
-        names = list(matrix.columns)
-        if not all(isinstance(name, str) for name in names):
-            continue
-        index = list(getattr(matrix, "index", names))
-        if all(isinstance(name, str) for name in index) and index != names:
-            raise Error(f"{key} has rows and columns of different names, expected the same, in "
-                        "the same order")
-        found[key] = names
-    for key, names in found.items():
-        first = next(iter(found))
-        if names != found[first]:
-            raise Error(f"{key} has columns of other names than {first}, expected the same, in "
-                        "the same order")
-    return next(iter(found.values()), None)
 
 
 def _size_of(mass: Any) -> int:
@@ -135,10 +117,12 @@ class Model(Part):
         influence: Mapping[str, ArrayLike] | None = None,
         **keys: Any,
     ) -> None:
+        # Names of the columns, which the case compares with those of its groups.
+        self.columns = names_of_columns(mass=mass, stiffness=stiffness, damping=damping)
         if dofs is None:
-            dofs = _names_of_columns(mass=mass, stiffness=stiffness, damping=damping)
+            dofs = self.columns
         if dofs is None:
-            dofs = [f"u{i + 1}" for i in range(_size_of(mass))]
+            dofs = default_names(_size_of(mass))
         check_square("Model", "mass", mass)
         size = None if isinstance(mass, (str, os.PathLike, Mapping)) else _size_of(mass)
         check_square("Model", "stiffness", stiffness, size)
@@ -147,7 +131,8 @@ class Model(Part):
         dofs = as_names("dofs", dofs)
         check_dofs("Model", dofs, size, f"mass is {size} x {size}")
         for name, matrix in (("mass", mass), ("stiffness", stiffness), ("damping", damping)):
-            check_names_of_columns(f"Model: {name}", _names_of_columns(matrix=matrix), dofs)
+            check_names_of_columns(f"Model: {name}", names_of_columns(**{name: matrix}), dofs)
+        check_influence("Model", influence, dofs)
         super().__init__(
             dofs=dofs,
             mass=as_matrix(mass),
@@ -185,6 +170,8 @@ class ShearBuilding(Part):
             check_values("ShearBuilding", "dampers", as_list(dampers), len(of_floors), zero=True)
         dofs = as_names("dofs", dofs)
         check_dofs("ShearBuilding", dofs, len(of_floors), f"masses {len(of_floors)}")
+        check_floors(dofs or default_names(len(of_floors)), keys.get("influence"), masses=masses,
+                     stiffnesses=stiffnesses, dampers=dampers)
         check_damping("ShearBuilding", damping)
         super().__init__(
             shear_building=Part(
@@ -202,7 +189,7 @@ class FiniteElementModel(Part):
     """Matrices that a finite-element program has exported, and their reduction.
 
     mass, stiffness, exported_damping: sparse matrices of SciPy, full ones, or files.
-    dofs: names of all DOFs, or the file that lists them.
+    dofs: names of all DOFs, or the file that lists them. Default: as for Model.
     remove_dofs: names of DOFs that are fixed.
     ground_directions: {name: direction number of the DOFs, 1 to 3}. With {"x": 1} the
         motion "x" moves all DOFs "<node>.1".
@@ -237,9 +224,15 @@ class FiniteElementModel(Part):
             check_square("FiniteElementModel", name, matrix, size)
             if name == "mass" and not isinstance(mass, (str, os.PathLike, Mapping)):
                 size = _size_of(mass)
-        dofs = as_strings("dofs", dofs)
+        self.columns = names_of_columns(mass=mass, stiffness=stiffness,
+                                        exported_damping=exported_damping)
+        if isinstance(dofs, os.PathLike):
+            dofs = as_path("dofs", dofs)
+        dofs = as_strings("dofs", self.columns if dofs is None else dofs)
         if not isinstance(dofs, str):
             check_dofs("FiniteElementModel", dofs, size, f"mass is {size} x {size}")
+            known = dofs if dofs is not None or size is None else default_names(size)
+            check_names_of_columns("FiniteElementModel: mass", self.columns, known)
         check_damping("FiniteElementModel", damping)
         super().__init__(
             finite_element=Part(
@@ -345,7 +338,9 @@ class Group(Part):
         check_square(f"Group({name!r})", "matrix", matrix)
         check_bounds(f"Group({name!r})", lower, upper)
         # Names of the columns, which the case compares with the DOFs of its model.
-        self.columns = _names_of_columns(matrix=matrix)
+        self.columns = names_of_columns(matrix=matrix)
+        self.columns_of_changed_export = names_of_columns(changed_export=changed_export)
+        self.columns_of_set_export = names_of_columns(set_export=keys.get("set_export"))
         super().__init__(
             name=name,
             adds_to=adds_to,
