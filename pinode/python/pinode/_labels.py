@@ -18,7 +18,8 @@ from ._pinode import Error
 
 def is_series(values: Any) -> bool:
     """True for a column of pandas."""
-    return not is_frame(values) and hasattr(values, "to_numpy") and hasattr(values, "index")
+    return not is_frame(values) and (
+        hasattr(values, "to_numpy") and hasattr(values, "index") and hasattr(values, "dtype"))
 
 
 def are_numbered(labels: Sequence[Any]) -> bool:
@@ -161,6 +162,51 @@ def check_influence(where: str, influence: Any, dofs: Any) -> None:
     for direction, values in influence.items() if isinstance(influence, Mapping) else ():
         place = f"{where}: influence[{direction!r:.40}]"
         check_places(place, names_of_values(values), dofs)
+
+
+def check_rows(where: str, values: Mapping[str, Any]) -> None:
+    """Raises an Error if frames or columns of pandas, one row a sample, have other rows than
+    one another. Rows 0, 1, 2, ... are unnamed.
+    """
+    first: tuple[str, Any] | None = None
+    for name, value in values.items():
+        index = value.index if is_frame(value) and hasattr(value, "index") else (
+            value.index if is_series(value) else None)
+        if index is None or callable(index) or _is_numbered(index):
+            continue
+        if first is None:
+            first = (name, index)
+        elif len(index) == len(first[1]) and not _are_close(first[1], index):
+            raise Error(f"{where}: {name} has an index that differs from that of {first[0]}, "
+                        "expected the same samples; to_numpy() takes values by their places")
+
+
+def _is_numbered(index: Any) -> bool:
+    labels = np.asarray(index)
+    return labels.dtype.kind in "iu" and np.array_equal(labels, np.arange(len(labels)))
+
+
+def _are_close(one: Any, other: Any) -> bool:
+    """True if two indexes are the same within half a sample, as clocks of loggers are."""
+    if one.equals(other):
+        return True
+    a, b = _numbers_of_index(one), _numbers_of_index(other)
+    if a is None or b is None or a.dtype != b.dtype or len(a) < 2:
+        return False
+    apart = np.abs(a - b).astype(float)
+    return bool(np.all(apart <= 0.5 * float(abs(a[-1] - a[0])) / (len(a) - 1)))
+
+
+def _numbers_of_index(index: Any) -> np.ndarray | None:
+    """Returns an index as float, or dates and spans as int64 in ns."""
+    if getattr(index, "tz", None) is not None:
+        index = index.tz_convert("UTC").tz_localize(None)
+    labels = np.asarray(index)
+    if labels.dtype.kind in "iuf":
+        return labels.astype(float)
+    if labels.dtype.kind in "Mm":
+        return labels.astype(f"{labels.dtype.kind}8[ns]").astype(np.int64)
+    return None
 
 
 def _is_whole(label: Any) -> bool:

@@ -25,7 +25,7 @@ from ._arguments import (
     takes,
 )
 from ._arrays import as_array, is_frame
-from ._labels import are_whole, check_places, labels_of, names_of
+from ._labels import are_whole, check_places, check_rows, labels_of, names_of
 from ._part import ArrayLike, as_names
 from ._pinode import Error
 from .case import Case, Progress
@@ -117,6 +117,11 @@ def identify(
     wrong.
     """
     columns = _response(response)
+    rows = {"response": response, "time": time}
+    for key, load in (("ground", ground), ("force", force)):
+        rows |= ({f"{key}[{at!r:.40}]": values for at, values in load.items()}
+                 if isinstance(load, Mapping) else {key: load})
+    check_rows("identify", rows)
     if ground is None and force is None and start == "rest":
         raise Error(
             "identify: ground and force are both missing, expected one of them. For a free "
@@ -252,6 +257,12 @@ def _places(response: Any, count: int, names: list[str]) -> list[str]:
                             f"model ({', '.join(names):.60}), expected at=[...], the DOF of each "
                             "channel")
         return found
+    near = {name.strip().casefold(): name for name in names}
+    for name in found or ():
+        if name.strip().casefold() in near:
+            raise Error(f"identify: response has the column {name!r:.40}, which is no DOF of the "
+                        f"model, did you mean {near[name.strip().casefold()]!r:.40}? Expected its "
+                        "DOFs, or at=[...], the DOF of each channel")
     # Columns 0, 1, 2, ... are all in order, which DOFs of these names may not be.
     check_places("identify: response", list(map(str, given)) if are_whole(given)
                  and set(map(str, given)) == set(names) else None, names)

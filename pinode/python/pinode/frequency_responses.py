@@ -11,7 +11,7 @@ import numpy as np
 from . import _pinode
 from ._arguments import ANY, NOT_NEGATIVE, POSITIVE, TEXT, takes
 from ._arrays import as_array
-from ._labels import check_places, labels_of
+from ._labels import check_places, check_rows, labels_of
 from ._part import as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
@@ -126,6 +126,8 @@ def estimate_frfs(
                         f"has {counted(len(one), 'sample')}, expected samples x channels"
                         + ("; if each row is a channel, pass its transpose, responses.T"
                            if turned else ", as many samples for both"))
+    for one, other in pairs:
+        check_rows("estimate_frfs", {"force": one, "responses": other})
     named = [_named("force", [one for one, _ in pairs]),
              _named("responses", [other for _, other in pairs])]
     check_places("responses", named[1], names, "names")

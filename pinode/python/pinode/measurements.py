@@ -39,6 +39,7 @@ from ._labels import (
     are_numbered,
     are_whole,
     check_places,
+    check_rows,
     default_names,
     labels_of,
     names_of,
@@ -273,6 +274,10 @@ class Record(Part):
                         "fs=samples a second or time=times")
         if sampling_rate_hz is not None and time is not None:
             raise Error(f"record '{name}': time and a sampling rate are given, expected one of them")
+        channels = as_sequence("channels", channels)
+        rows = {"file": file, "time": time}
+        rows |= {f"channel {c.get('name')!r:.40}": c.get("values") for c in channels
+                 if isinstance(c, Mapping) and "time" not in c}
         time = columns.time(time)
         if columns.has_dates and keys.get("time_unit", "s") != "s":
             raise Error(
@@ -291,13 +296,17 @@ class Record(Part):
                 if values is None or len(getattr(values, "shape", ())) > 1:
                     raise Error(f"record '{name}': {key}[{at!r}] is {words_of(values)}, expected "
                                 "one number a sample")
+                rows |= {f"{key}[{at!r:.40}]": one.get("values") if isinstance(one, Mapping) else one
+                         for one in _tables(values)
+                         if not isinstance(one, Mapping) or "time" not in one}
             signals[key] = [
                 columns.signal(value, f"{key}_{at}", {place: at})
                 for at, values in given.items()
                 for value in _tables(values)
             ]
         tables = [_channel_table(name, columns, place, channel)
-                  for place, channel in enumerate(as_sequence("channels", channels))]
+                  for place, channel in enumerate(channels)]
+        check_rows(f"record '{name}'", rows)
         _check_lengths(name, columns.file())
         super().__init__(
             name=name,
@@ -346,6 +355,8 @@ class Mode(Part):
         **keys: Any,
     ) -> None:
         if shape is not None and not isinstance(shape, Mapping):
+            if is_frame(shape):
+                raise Error(f"Mode: shape is {words_of(shape)}, expected one value for each DOF")
             named = names_of_values(shape)
             shape = as_list(shape)
             if dofs is not None:

@@ -17,7 +17,7 @@ from ._arguments import (ANY, COUNT, FLAG, LIST, MAPPING, NUMBER, POSITIVE, TEXT
                          check_kind, either, hint, takes, words_of)
 from ._arrays import as_array, is_frame
 from ._conditioned import check_band, check_trend, conditioned
-from ._labels import check_places, labels_of
+from ._labels import check_places, check_rows, labels_of
 from ._part import as_flag, as_folder, as_names, as_path, as_sequence, counted
 from ._pinode import Error
 from .measurements import rate_from
@@ -490,6 +490,7 @@ def _setup(name: str, setup: Any, one: Mapping[str, Any], single: bool) -> tuple
         raise Error(f"set-up '{name}': 'step' is missing, expected step=seconds or fs=samples a "
                     "second")
     loads = setup.get("loads", one["loads"])
+    check_rows(f"set-up '{name}'", {argument: setup["values"], "loads": loads})
     if values.ndim == 2 and (one["detrend"], one["filter_hz"]) != (None, None):
         seconds = 1.0 / (rate_from(f"set-up '{name}'", step) or 1.0)
         values = conditioned(f"set-up '{name}'", values, seconds, one["detrend"],

@@ -159,6 +159,57 @@ def test_shapes_of_modes():
     assert pinode.Mode(1.0, shape=shape, dofs=["u2", "u1"])["shape"] == {"u2": 1.0, "u1": 2.0}
     with pytest.raises(pinode.Error, match="Mode: shape has 'u2' " + PLACE):
         pinode.Mode(1.0, shape=shape, dofs=["u1", "u2"])
+    with pytest.raises(pinode.Error, match="shape is an array of 2 x 1, expected one value"):
+        pinode.Mode(1.0, shape=shape.to_frame(), dofs=["u2", "u1"])
+
+
+@pytest.mark.parametrize("index", [
+    0.01 * np.arange(60), pandas.date_range("2020-01-01", periods=60, freq="10ms"),
+    pandas.date_range("2020-01-01", periods=60, freq="10ms", tz="Europe/Vienna"),
+    pandas.timedelta_range("0s", periods=60, freq="10ms"), [f"s{i:02}" for i in range(60)],
+    np.arange(100, 160)])
+def test_rows_are_the_same_samples(index):
+    wave = np.sin(np.arange(60.0) ** 1.5)
+    whole = pandas.Series(wave, index=index)
+    table = pandas.DataFrame({"a": wave, "b": wave}, index=index)
+
+    def record(one, two, **keys):
+        return pinode.Record("r", **{"step": 0.01, **keys}, ground={"x": one},
+                             interpolation="linear", channels=[
+                                 pinode.Channel("a", two, dof="u1"), pinode.Channel("b", wave)])
+
+    assert record(whole, whole) and record(whole, wave) and record(whole, pandas.Series(wave))
+    assert record(whole, "a", file=table)
+    late, early, turned = whole.iloc[10:], whole.iloc[:-10], whole.iloc[::-1]
+    for one, two in ((turned, whole), (whole, turned)):
+        with pytest.raises(pinode.Error, match=r"record 'r': ground\['x'\] has an index that differs "
+                                               "from that of channel 'a'"):
+            record(one, two)
+    with pytest.raises(pinode.Error, match=r"ground\['x'\] has an index that .* that of file"):
+        record(turned, "a", file=table)
+    with pytest.raises(pinode.Error, match="identify: ground has an index that .* of response"):
+        pinode.identify(MASS, STIFFNESS, pandas.DataFrame({k: late for k in ("u1", "u2", "u3")}),
+                        ground=early, fs=100)
+    with pytest.raises(pinode.Error, match="loads has an index that .* of records"):
+        pinode.identify_modes(table, loads=turned, fs=100)
+    with pytest.raises(pinode.Error, match="responses has an index that .* of force"):
+        pinode.estimate_frfs(turned, table, fs=100)
+
+
+def test_clocks_within_half_a_sample_are_the_same():
+    wave = np.sin(np.arange(60.0) ** 1.5)
+    for shift, is_same in ((4e-3, True), (1e-2, False)):
+        one, two = (pandas.Series(wave, index=0.01 * np.arange(60) + s) for s in (0.5, 0.5 + shift))
+
+        def record():
+            return pinode.Record("r", step=0.01, ground={"x": one}, interpolation="linear",
+                                 channels=[pinode.Channel("a", two, dof="u1")])
+
+        if is_same:
+            assert record()
+        else:
+            with pytest.raises(pinode.Error, match="differs from that of channel 'a'"):
+                record()
 
 
 def test_channels_of_a_frame():
@@ -196,6 +247,8 @@ def test_responses_of_one_call():
             ([3, 2, 1], {}, "response has the column '3', which is no DOF"),
             ([1, 2, 4], {"dofs": [1, 2, 3]}, "response has the column '4', which is no DOF"),
             ([0, 1, 2], {"dofs": [2, 1, 0]}, "response has '0' " + PLACE),
+            (["U1", "U3", "U2"], {}, "column 'U1'.*did you mean 'u1'"),
+            ([" u1", "u2 ", "x"], {}, "column '.*is no DOF"),
             (["u3", "u2", "u1"], {"at": ["u1", "u2", "u3"]}, r"'u3' at place 0, but at\[0\]")):
         with pytest.raises(pinode.Error, match=message):
             dofs(columns, **keys)
