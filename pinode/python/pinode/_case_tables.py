@@ -114,13 +114,12 @@ def _group(where: str, group: Mapping[str, Any], model: Mapping[str, Any]) -> Ma
 
 def _check_groups(groups: Sequence[Any]) -> None:
     """Raises an Error if the frames of two groups have the same columns in another order."""
-    first: tuple[str, list[str]] | None = None
+    first: dict[int, tuple[str, list[str]]] = {}  # by size: a reduction may turn its DOFs over
     for i, group in enumerate(groups):
         columns = getattr(group, "columns", None)
-        if first is not None:
-            check_common_order(f"groups[{i}]: matrix", columns, first[1], first[0])
-        elif columns is not None:
-            first = (f"groups[{i}]", columns)
+        if columns is not None:
+            other, names = first.setdefault(len(columns), (f"groups[{i}]", columns))
+            check_common_order(f"groups[{i}]: matrix", columns, names, other)
 
 
 def _check_columns(where: str, group: Mapping[str, Any], model: Mapping[str, Any],

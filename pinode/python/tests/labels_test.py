@@ -112,6 +112,9 @@ def test_groups_of_a_finite_element_model():
                          (frame(whole, names[::-1]), guyan), (frame(whole, names[::-1]), {})):
         with pytest.raises(pinode.Error, match=r"groups\[0\]: matrix " + ORDER):
             case(matrix, **keys)
+    model = pinode.FiniteElementModel(MASS, STIFFNESS, dofs=names, **guyan)
+    both = [pinode.Group("w", frame(whole, names)), pinode.Group("s", frame(small, ["c", "a"]))]
+    assert pinode.Case(model, groups=both).dofs == ["c", "a"]
     with pytest.raises(pinode.Error, match="expected the DOFs of the model in their order: c, a"):
         case(frame(small, ["a", "c"]), **guyan)
     for key in ("changed_export", "set_export"):
@@ -182,8 +185,8 @@ def test_rows_are_the_same_samples(index):
     assert record(whole, "a", file=table)
     late, early, turned = whole.iloc[10:], whole.iloc[:-10], whole.iloc[::-1]
     for one, two in ((turned, whole), (whole, turned)):
-        with pytest.raises(pinode.Error, match=r"record 'r': ground\['x'\] has an index that differs "
-                                               "from that of channel 'a'"):
+        with pytest.raises(pinode.Error, match=r"record 'r': ground\['x'\] has an index that "
+                                               "differs from that of channel 'a'"):
             record(one, two)
     with pytest.raises(pinode.Error, match=r"ground\['x'\] has an index that .* that of file"):
         record(turned, "a", file=table)
