@@ -153,7 +153,8 @@ def test_columns_with_a_value_for_each_dof():
     record = pinode.Record("r", step=0.01, start={"x": turned, "v": values},
                            channels=[pinode.Channel("a", np.arange(9.0) ** 2, dof="u1")])
     with pytest.raises(pinode.Error, match=r"record 'r': start\['x'\] has 'u2' " + PLACE):
-        pinode.Case(pinode.ShearBuilding(values, values, damping="none"), records=[record])
+        pinode.Case(pinode.ShearBuilding(values, values, damping="none"), records=[record],
+                    groups=[pinode.Group("k", storey=1)])
 
 
 def test_shapes_of_modes():
