@@ -86,7 +86,7 @@ TEST(ReadBaseline, HasTheLevelsOfMotion) {
   EXPECT_TRUE(earlier.has_records);
   json["records"] = Json::array();
   EXPECT_FALSE(BaselineIn(f, json.dump()).has_records);
-  // What is no level is left out.
+  // Entries that are no levels are left out.
   json["levels_of_motion"] = {{{"dof", "u1"}, {"quantity", "displacement"}}, 3};
   EXPECT_THAT(BaselineIn(f, json.dump()).levels, IsEmpty());
 }
